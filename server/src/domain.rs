@@ -1,0 +1,17 @@
+//! The vocabulary and the decisions of the server: no transport, no device, no async runtime.
+
+pub mod cancel;
+pub mod detail;
+pub mod digest;
+pub mod error;
+pub mod expression;
+pub mod image;
+pub mod mesh;
+pub mod plan;
+pub mod report;
+pub mod request;
+pub mod scene;
+pub mod surface;
+
+pub use digest::Digest;
+pub use error::{Error, ErrorKind, Result};

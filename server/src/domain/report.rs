@@ -1,0 +1,48 @@
+//! What a job says of itself. Field names are those of the CLI's JSON.
+
+use serde::{Deserialize, Serialize};
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    pub method: String,
+    pub triangles_in: u64,
+    pub triangles: u64,
+    pub vertices: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seams: Option<Seams>,
+    /// Result triangles that face against their base triangle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flipped: Option<u64>,
+    pub warnings: Vec<Warning>,
+    pub passes: Vec<PassTime>,
+    pub total_ms: f64,
+    pub device: String,
+    pub cached: bool,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seams {
+    /// Largest distance between the places of one geometric vertex: 0 by construction, measured.
+    pub gap_max: f64,
+    /// Largest disagreement of the two sides of a seam before reconciling, local units.
+    pub mismatch_max: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Warning {
+    pub code: String,
+    pub message: String,
+}
+
+impl Warning {
+    pub fn new(code: &str, message: impl Into<String>) -> Self {
+        Self { code: code.into(), message: message.into() }
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PassTime {
+    pub name: String,
+    pub ms: f64,
+    pub bytes: u64,
+}

@@ -1,0 +1,167 @@
+//! Requests after parsing: ranges checked, defaults not yet applied where they depend on the asset.
+
+use super::{
+    Digest,
+    detail::{Sampling, Wrap},
+};
+
+/// The geometry half of every job.
+#[derive(Clone, Debug)]
+pub struct DisplaceRequest {
+    pub mesh: Digest,
+    /// External files of a .gltf, by the URI the file uses.
+    pub resources: Vec<(String, Digest)>,
+    /// Detail per material; `material: None` is every material not named by another entry.
+    pub details: Vec<MaterialDetail>,
+    pub method: Method,
+    pub geometry: Geometry,
+}
+
+#[derive(Clone, Debug)]
+pub struct RenderRequest {
+    pub surface: DisplaceRequest,
+    pub camera: CameraChoice,
+    pub width: u32,
+    pub height: u32,
+    pub look: Look,
+    pub aovs: Vec<Aov>,
+    pub format: ImageFormat,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    Flat,
+    #[default]
+    Displacement,
+    Vector,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Uniform subdivision: each triangle becomes 4^level. 0 to 12.
+    pub uniform_level: u32,
+    pub max_triangles: Option<u64>,
+    pub normals: Normals,
+    pub seams: SeamRule,
+    /// Width of the ramp that reconciles mismatched seams, in texels; 0 is off.
+    pub feather_texels: f32,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Normals {
+    #[default]
+    Analytic,
+    Geometric,
+}
+
+/// How the values of a seam's sides become one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SeamRule {
+    #[default]
+    Mean,
+    Dominant,
+}
+
+#[derive(Clone, Debug)]
+pub struct MaterialDetail {
+    pub material: Option<String>,
+    pub layers: Vec<LayerRequest>,
+    pub uv_set: u32,
+}
+
+#[derive(Clone, Debug)]
+pub struct LayerRequest {
+    pub source: SourceRequest,
+    pub scale: f32,
+    pub midlevel: Option<f32>,
+    pub invert_height: bool,
+    pub flip_v: bool,
+    pub preset: Preset,
+}
+
+#[derive(Clone, Debug)]
+pub enum SourceRequest {
+    Height { map: MapRequest, channel: Channel },
+    Vector { map: MapRequest, space: Space, swizzle: Swizzle },
+    DirectionMagnitude { direction: MapRequest, magnitude: MapRequest, space: Space, swizzle: Swizzle },
+    Expression { source: String },
+}
+
+#[derive(Clone, Debug)]
+pub struct MapRequest {
+    pub asset: Digest,
+    pub wrap: Option<Wrap>,
+    pub sampling: Sampling,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Channel {
+    #[default]
+    R,
+    G,
+    B,
+    A,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Space {
+    #[default]
+    Tangent,
+    Object,
+}
+
+/// Source of each output component: axis 0..3 of the map and its sign. `rgb` is the identity; upper case
+/// in text means negative (`rGb` negates the second).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Swizzle(pub [(u8, bool); 3]);
+
+impl Default for Swizzle {
+    fn default() -> Self {
+        Self([(0, false), (1, false), (2, false)])
+    }
+}
+
+/// Printed formulas of the literature this grew from, kept so that the difference can be shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Preset {
+    #[default]
+    Right,
+    /// West 2007: directions are not remapped from [0, 1] to [−1, 1].
+    AsPrinted,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraChoice {
+    /// The file's first camera, or an orbit that frames the scene.
+    Default,
+    Named(String),
+    LookAt { eye: [f32; 3], target: [f32; 3], yfov_degrees: f32 },
+    /// Azimuth and elevation in degrees about the scene's centre; distance in world units.
+    Orbit { azimuth_degrees: f32, elevation_degrees: f32, distance: Option<f32>, yfov_degrees: f32 },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Unit vector towards the light, world space.
+    pub light_direction: [f32; 3],
+    /// Ambient light, linear, 0 to 1.
+    pub ambient: f32,
+    /// Overrides the materials' base colour map.
+    pub base_color: Option<Digest>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Aov {
+    Depth,
+    Normal,
+    Position,
+    Uv,
+    Triangle,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ImageFormat {
+    #[default]
+    Png,
+    Exr,
+}

@@ -1,0 +1,21 @@
+//! The result of displacing one base mesh, in host memory.
+
+/// Fine vertices are attribute vertices in a closed-form order: with n = 2^level segments per edge,
+/// first the base avs; then, for each ae, its n − 1 inner vertices from the ae's first av to its second;
+/// then, for each base triangle, its (n − 1)(n − 2) / 2 inner vertices (see `displace_glsl::lattice`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    pub level: u32,
+    /// Mesh-local units. Fine avs of one geometric vertex have bit-equal positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit length.
+    pub normals: Vec<[f32; 3]>,
+    /// Parallel to `Mesh::attributes`: `components` values for each fine vertex.
+    pub attributes: Vec<Vec<f32>>,
+    /// Fine vertex ids; base triangle t owns `triangles[t << (2 * level)..(t + 1) << (2 * level)]`.
+    pub triangles: Vec<[u32; 3]>,
+    /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
+    pub mismatch_max: f32,
+    /// Triangles whose normal points against the welded direction of their base triangle.
+    pub flipped: u64,
+}
