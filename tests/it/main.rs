@@ -1,1 +1,1 @@
-fn main() {}
+//! The one integration binary: one module per topic, all over the harness in `tests/src`.

@@ -42,7 +42,12 @@ impl FromStr for Digest {
 
     /// Reads `HASH/SIZE` or a full resource name.
     fn from_str(text: &str) -> Result<Self, Error> {
-        let bad = || Error::invalid("digest", format!("'{text}' is not 'HASH/SIZE' with 64 lower-case hexadecimal digits and a decimal size"));
+        let bad = || {
+            Error::invalid(
+                "digest",
+                format!("'{text}' is not 'HASH/SIZE' with 64 lower-case hexadecimal digits and a decimal size"),
+            )
+        };
         let text = text.strip_prefix("assets/sha256/").unwrap_or(text);
         let (hex, size) = text.split_once('/').ok_or_else(bad)?;
         if hex.len() != 64 || !hex.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')) {

@@ -135,9 +135,18 @@ pub enum CameraChoice {
     /// The file's first camera, or an orbit that frames the scene.
     Default,
     Named(String),
-    LookAt { eye: [f32; 3], target: [f32; 3], yfov_degrees: f32 },
+    LookAt {
+        eye: [f32; 3],
+        target: [f32; 3],
+        yfov_degrees: f32,
+    },
     /// Azimuth and elevation in degrees about the scene's centre; distance in world units.
-    Orbit { azimuth_degrees: f32, elevation_degrees: f32, distance: Option<f32>, yfov_degrees: f32 },
+    Orbit {
+        azimuth_degrees: f32,
+        elevation_degrees: f32,
+        distance: Option<f32>,
+        yfov_degrees: f32,
+    },
 }
 
 #[derive(Clone, Debug, PartialEq)]
