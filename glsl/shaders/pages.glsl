@@ -1,0 +1,15 @@
+// Paged streams: no binding exceeds 128 MiB, so a stream is a list of pages of 2^22 elements.
+// Include after common.glsl.
+
+// 0: every stream of this dispatch has a single page, and the page index folds away.
+layout(constant_id = 0) const uint PAGED_STREAMS = 0u;
+const uint PAGE_SHIFT = 22u;
+const uint PAGE_MASK = (1u << PAGE_SHIFT) - 1u;
+
+#define PAGED(BINDING, ACCESS, TYPE, NAME) \
+    layout(set = 0, binding = BINDING, scalar) ACCESS buffer NAME##_block { TYPE data[]; } NAME[16]
+
+// One element, as an lvalue.
+#define ELEMENT(NAME, I) NAME[nonuniformEXT(PAGED_STREAMS == 0u ? 0u : (I) >> PAGE_SHIFT)].data[PAGED_STREAMS == 0u ? (I) : (I) & PAGE_MASK]
+#define LOAD(NAME, I) (ELEMENT(NAME, I))
+#define STORE(NAME, I, VALUE) (ELEMENT(NAME, I) = (VALUE))
