@@ -1,1 +1,26 @@
-fn main() {}
+//! Compiles the protos without protoc: protox parses them, tonic-prost-build writes the Rust.
+
+use std::{env, fs, path::PathBuf};
+
+use prost::Message as _;
+
+const PROTOS: [&str; 5] = [
+    "displace/v1/common.proto",
+    "displace/v1/request.proto",
+    "displace/v1/assets.proto",
+    "displace/v1/displacement.proto",
+    "displace/v1/server.proto",
+];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("cargo:rerun-if-changed=displace");
+    println!("cargo:rerun-if-changed=google");
+    let descriptors = protox::compile(PROTOS, ["."])?;
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    fs::write(out.join("displace.v1.bin"), descriptors.encode_to_vec())?;
+    tonic_prost_build::configure()
+        .bytes(".")
+        .extern_path(".google.rpc", "::tonic_types::pb")
+        .compile_fds(descriptors)?;
+    Ok(())
+}
