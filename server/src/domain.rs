@@ -1,11 +1,13 @@
 //! The vocabulary and the decisions of the server: no transport, no device, no async runtime.
 
 pub mod cancel;
+pub mod describe;
 pub mod detail;
 pub mod digest;
 pub mod error;
 pub mod expression;
 pub mod image;
+pub mod maps;
 pub mod mesh;
 pub mod plan;
 pub mod report;

@@ -1,0 +1,302 @@
+//! From the details of a request (and of the file's materials) to the detail of each material.
+
+use std::{cell::RefCell, collections::HashMap, sync::Arc};
+
+use bytes::Bytes;
+
+use super::pixels::{Pixels, decode};
+use crate::domain::{
+    Digest, Error, ErrorKind, Result,
+    detail::{Detail, Layer, LayerSource, Map, Sampling, Wrap},
+    expression::Program,
+    request::{Channel, LayerRequest, MapRequest, MaterialDetail, Preset, SourceRequest, Space, Swizzle},
+    scene::{MaterialDisplacement, Scene},
+};
+
+/// How assets are read.
+pub type AssetBytes<'a> = dyn Fn(&Digest) -> Result<Bytes> + 'a;
+
+/// The detail of every material.
+#[derive(Clone, Debug, Default)]
+pub struct Details {
+    /// Parallel to `Scene::materials`.
+    pub of_material: Vec<Option<Arc<Detail>>>,
+    /// Of primitives without a material.
+    pub of_none: Option<Arc<Detail>>,
+}
+
+impl Details {
+    #[must_use]
+    pub fn of(&self, material: Option<usize>) -> Option<&Arc<Detail>> {
+        match material {
+            Some(index) => self.of_material.get(index)?.as_ref(),
+            None => self.of_none.as_ref(),
+        }
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.of_none.is_none() && self.of_material.iter().all(Option::is_none)
+    }
+}
+
+/// The request's details by material; an entry without a material is for all that no other entry names. A
+/// material the request leaves alone keeps the displacement of the file (KHR_materials_displacement).
+pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'_>) -> Result<Details> {
+    let resolver = Resolver { assets, images: RefCell::default() };
+    let mut details = Details { of_material: vec![None; scene.materials.len()], of_none: None };
+    let mut named = vec![false; scene.materials.len()];
+    for (index, request) in requests.iter().enumerate() {
+        let Some(name) = &request.material else { continue };
+        let detail = Arc::new(resolver.detail(index, request)?);
+        for material in materials_called(scene, index, name)? {
+            if std::mem::replace(&mut named[material], true) {
+                let field = format!("details[{index}].material");
+                return Err(Error::invalid(field, format!("'{name}' is named by an earlier entry too: give one entry for each material")));
+            }
+            details.of_material[material] = Some(Arc::clone(&detail));
+        }
+    }
+    let mut general = requests.iter().enumerate().filter(|(_, request)| request.material.is_none());
+    if let Some((index, request)) = general.next() {
+        let detail = Arc::new(resolver.detail(index, request)?);
+        for slot in details.of_material.iter_mut().filter(|slot| slot.is_none()) {
+            *slot = Some(Arc::clone(&detail));
+        }
+        details.of_none = Some(detail);
+    }
+    if let Some((index, _)) = general.next() {
+        let field = format!("details[{index}].material");
+        return Err(Error::invalid(field, "a second entry is for all materials: name a material, or merge the entries"));
+    }
+    for (material, slot) in details.of_material.iter_mut().enumerate().filter(|(_, slot)| slot.is_none()) {
+        if let Some(displacement) = &scene.materials[material].displacement {
+            *slot = Some(Arc::new(resolver.of_file(scene, material, displacement)?));
+        }
+    }
+    Ok(details)
+}
+
+fn materials_called(scene: &Scene, index: usize, name: &str) -> Result<Vec<usize>> {
+    let is_called = |i: &usize| scene.materials[*i].name.as_deref() == Some(name);
+    let found: Vec<usize> = (0..scene.materials.len()).filter(is_called).collect();
+    if found.is_empty() {
+        let known: Vec<&str> = scene.materials.iter().filter_map(|m| m.name.as_deref()).collect();
+        let known = if known.is_empty() { "it has no named materials".into() } else { format!("it has {}", known.join(", ")) };
+        return Err(Error::new(ErrorKind::NotFound, format!("the mesh has no material '{name}'; {known}"))
+            .with_field(format!("details[{index}].material")));
+    }
+    Ok(found)
+}
+
+struct Resolver<'a> {
+    assets: &'a AssetBytes<'a>,
+    /// Decoded once however many layers use it.
+    images: RefCell<HashMap<Digest, Arc<Pixels>>>,
+}
+
+const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+const FLIPPED_V: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
+
+impl Resolver<'_> {
+    fn detail(&self, index: usize, request: &MaterialDetail) -> Result<Detail> {
+        let layers = request.layers.iter().enumerate();
+        let layers = layers.map(|(k, layer)| self.layer(&format!("details[{index}].layers[{k}]"), layer));
+        Ok(Detail { layers: layers.collect::<Result<_>>()?, uv_set: request.uv_set })
+    }
+
+    fn layer(&self, field: &str, request: &LayerRequest) -> Result<Layer> {
+        let (source, midlevel) = match &request.source {
+            SourceRequest::Height { map, channel } => {
+                let (map, default_midlevel) = self.height(&format!("{field}.height"), map, *channel, request.invert_height)?;
+                (LayerSource::Height(Arc::new(map)), request.midlevel.unwrap_or(default_midlevel))
+            }
+            SourceRequest::Vector { map, space, swizzle } => {
+                let map = self.vector(&format!("{field}.vector"), map, *swizzle, request.midlevel)?;
+                (placed(map, *space), 0.0)
+            }
+            SourceRequest::DirectionMagnitude { direction, magnitude, space, swizzle } => {
+                let map = self.direction_magnitude(field, direction, magnitude, *swizzle, request)?;
+                (placed(map, *space), 0.0)
+            }
+            SourceRequest::Expression { source } => {
+                let program = Program::parse(source).map_err(|e| e.with_field(format!("{field}.expression")))?;
+                (LayerSource::Expression(Arc::new(program)), request.midlevel.unwrap_or(0.0))
+            }
+        };
+        // West 2007 prints P − N·mag·Km for heights: inwards. Directions carry their own sign.
+        let inwards = request.preset == Preset::AsPrinted
+            && matches!(source, LayerSource::Height(_) | LayerSource::Expression(_));
+        Ok(Layer {
+            source,
+            scale: if inwards { -request.scale } else { request.scale },
+            midlevel,
+            map_from_uv: if request.flip_v { FLIPPED_V } else { IDENTITY },
+        })
+    }
+
+    fn pixels(&self, field: &str, asset: &Digest) -> Result<Arc<Pixels>> {
+        if let Some(known) = self.images.borrow().get(asset) {
+            return Ok(Arc::clone(known));
+        }
+        let pixels = Arc::new(decode(field, &(self.assets)(asset)?)?);
+        self.images.borrow_mut().insert(*asset, Arc::clone(&pixels));
+        Ok(pixels)
+    }
+
+    fn height(&self, field: &str, request: &MapRequest, channel: Channel, invert: bool) -> Result<(Map, f32)> {
+        let pixels = self.pixels(field, &request.asset)?;
+        let channel = channel_index(field, &pixels, channel)?;
+        let texels = pixels.texels([channel], |_, v| if invert { 1.0 - v } else { v });
+        Ok((map(field, &pixels, 1, texels, request)?, 0.0))
+    }
+
+    fn vector(&self, field: &str, request: &MapRequest, swizzle: Swizzle, midlevel: Option<f32>) -> Result<Map> {
+        let pixels = self.pixels(field, &request.asset)?;
+        let axes = axes(field, &pixels, swizzle)?;
+        let midlevel = midlevel.unwrap_or(if pixels.is_float() { 0.0 } else { 0.5 });
+        let texels = pixels.texels(axes, |k, v| signed(swizzle, k, v - midlevel));
+        map(field, &pixels, 3, texels, request)
+    }
+
+    /// P' = P + normalize(d)·magnitude (West 2007, put right: d = 2c − 1 with an exact zero).
+    fn direction_magnitude(
+        &self,
+        field: &str,
+        direction: &MapRequest,
+        magnitude: &MapRequest,
+        swizzle: Swizzle,
+        request: &LayerRequest,
+    ) -> Result<Map> {
+        let field_of = |part: &str| format!("{field}.{part}");
+        let d = self.pixels(&field_of("direction"), &direction.asset)?;
+        let m = self.pixels(&field_of("magnitude"), &magnitude.asset)?;
+        if (d.width, d.height) != (m.width, m.height) {
+            return Err(Error::invalid(
+                field_of("magnitude"),
+                format!("has {} x {} pixels and the direction map {} x {}: both must be of one size", m.width, m.height, d.width, d.height),
+            ));
+        }
+        let axes = axes(&field_of("direction"), &d, swizzle)?;
+        let as_printed = request.preset == Preset::AsPrinted;
+        let bits = d.bits();
+        let mut texels = d.texels(axes, |k, v| signed(swizzle, k, if as_printed { v } else { direction_component(bits, v) }));
+        let midlevel = request.midlevel.unwrap_or(0.0);
+        let lengths = m.texels([0], |_, v| if request.invert_height { 1.0 - v - midlevel } else { v - midlevel });
+        for (vector, length) in texels.chunks_exact_mut(3).zip(lengths) {
+            scale_direction(vector, length);
+        }
+        map(&field_of("direction"), &d, 3, texels, direction)
+    }
+
+    /// KHR_materials_displacement: H = factor · red + offset.
+    fn of_file(&self, scene: &Scene, material: usize, displacement: &MaterialDisplacement) -> Result<Detail> {
+        let field = format!("materials[{material}].extensions.KHR_materials_displacement");
+        let bytes = scene.images.get(displacement.texture.image).and_then(|image| image.bytes.as_ref());
+        let bytes = bytes.ok_or_else(|| Error::invalid(&field, "its image is not there: upload the file it names"))?;
+        let pixels = decode(&field, bytes)?;
+        let offset = displacement.offset;
+        let factor = displacement.factor;
+        let texels = pixels.texels([0], |_, v| factor * v + offset);
+        let map = Map {
+            width: pixels.width,
+            height: pixels.height,
+            channels: 1,
+            texels,
+            wrap: displacement.texture.wrap,
+            sampling: Sampling::Center,
+            source_bits: pixels.bits(),
+        };
+        let map_from_uv = displacement.texture.map_from_uv;
+        let layer = Layer { source: LayerSource::Height(Arc::new(map)), scale: 1.0, midlevel: 0.0, map_from_uv };
+        Ok(Detail { layers: vec![layer], uv_set: displacement.texture.uv_set })
+    }
+}
+
+fn placed(map: Map, space: Space) -> LayerSource {
+    match space {
+        Space::Tangent => LayerSource::VectorTangent(Arc::new(map)),
+        Space::Object => LayerSource::VectorObject(Arc::new(map)),
+    }
+}
+
+fn map(field: &str, pixels: &Pixels, channels: u32, texels: Vec<f32>, request: &MapRequest) -> Result<Map> {
+    if request.sampling == Sampling::Node && (pixels.width < 2 || pixels.height < 2) {
+        return Err(Error::invalid(
+            field,
+            format!("node sampling needs at least 2 x 2 pixels and the map has {} x {}: use center sampling", pixels.width, pixels.height),
+        ));
+    }
+    let wrap = [request.wrap.unwrap_or(Wrap::Repeat); 2];
+    Ok(Map { width: pixels.width, height: pixels.height, channels, texels, wrap, sampling: request.sampling, source_bits: pixels.bits() })
+}
+
+fn channel_index(field: &str, pixels: &Pixels, channel: Channel) -> Result<usize> {
+    let alpha = matches!(pixels.channels, 2 | 4).then(|| pixels.channels - 1);
+    let found = match (channel, pixels.channels) {
+        (Channel::R, _) => Some(0),
+        (Channel::G, 3..) => Some(1),
+        (Channel::B, 3..) => Some(2),
+        (Channel::A, _) => alpha,
+        _ => None,
+    };
+    found.ok_or_else(|| Error::invalid(field, format!("has {} channel(s) and no {channel:?}: choose another channel", pixels.channels)))
+}
+
+fn axes(field: &str, pixels: &Pixels, swizzle: Swizzle) -> Result<[usize; 3]> {
+    if pixels.channels < 3 {
+        return Err(Error::invalid(field, format!("has {} channel(s); vectors need red, green and blue", pixels.channels)));
+    }
+    Ok(swizzle.0.map(|(axis, _)| usize::from(axis)))
+}
+
+fn signed(swizzle: Swizzle, k: usize, value: f32) -> f32 {
+    if swizzle.0[k].1 { -value } else { value }
+}
+
+/// A component in [−1, 1] with an exact zero: (c − 128) / 127 for 8 bits, (c − 32768) / 32767 for 16.
+fn direction_component(bits: u32, value: f32) -> f32 {
+    let component = match bits {
+        8 => (value * 255.0 - 128.0) / 127.0,
+        16 => (value * 65535.0 - 32768.0) / 32767.0,
+        _ => value,
+    };
+    component.max(-1.0)
+}
+
+/// The direction to unit length, times `length`; an undefined direction displaces nothing.
+fn scale_direction(vector: &mut [f32], length: f32) {
+    let norm = vector.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let factor = if norm > 1e-6 { length / norm } else { 0.0 };
+    vector.iter_mut().for_each(|x| *x *= factor);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neutral_grey_and_black_directions_displace_nothing() {
+        for color in [128.0 / 255.0, 0.0] {
+            let mut vector = [color; 3].map(|v| if color == 0.0 { 0.0 } else { direction_component(8, v) });
+            scale_direction(&mut vector, 1.0);
+            assert_eq!(vector, [0.0; 3]);
+        }
+    }
+
+    #[test]
+    fn the_flat_normal_map_colour_points_straight_out() {
+        let mut vector = [128.0, 128.0, 255.0].map(|c| direction_component(8, c / 255.0));
+        scale_direction(&mut vector, 0.5);
+        assert_eq!(vector, [0.0, 0.0, 0.5]);
+    }
+
+    #[test]
+    fn an_unknown_material_is_named_with_those_there_are() {
+        let mut scene = Scene::default();
+        scene.materials.push(crate::domain::scene::Material { name: Some("wood".into()), ..Default::default() });
+        let request = MaterialDetail { material: Some("stone".into()), layers: vec![], uv_set: 0 };
+        let error = resolve(&scene, &[request], &|_| Err(Error::internal("unused"))).expect_err("unknown");
+        assert_eq!(error.to_string(), "details[0].material: the mesh has no material 'stone'; it has wood");
+    }
+}
