@@ -53,6 +53,9 @@ fn one(root: &Path, path: &Path) -> Result<Compiled, String> {
     let shown = format!("glsl/{}", path.display());
     let name = path.file_stem().and_then(|s| s.to_str()).ok_or(format!("{shown}: the name is not UTF-8"))?;
     let text = fs::read_to_string(path).map_err(|e| format!("{shown}: {e}"))?;
+    let (version, rest) = text.split_once('\n').ok_or(format!("{shown}:1: no #version line"))?;
+    // Every shader may include; `#line` keeps the numbers of the messages those of the file.
+    let text = format!("{version}\n#extension GL_GOOGLE_include_directive : require\n#line 2\n{rest}");
     let source = ShaderSource::from(text);
     let options = CompilerOptions {
         source_language: SourceLanguage::GLSL,

@@ -1,5 +1,4 @@
 #version 460
-#extension GL_GOOGLE_include_directive : require
 // Fills a stream of 32-bit words with one value.
 #include "common.glsl"
 #include "pages.glsl"

@@ -1,5 +1,6 @@
 //! Compute shaders as data, their checked layouts, and the f64 twin of every pass. No GPU API here.
 
+pub mod expression;
 pub mod lattice;
 pub mod layout;
 pub mod methods;
