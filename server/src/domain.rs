@@ -14,6 +14,7 @@ pub mod report;
 pub mod request;
 pub mod scene;
 pub mod surface;
+pub mod weld;
 
 pub use digest::Digest;
 pub use error::{Error, ErrorKind, Result};

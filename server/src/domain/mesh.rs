@@ -27,7 +27,8 @@ pub struct Mesh {
     pub av_gv: Vec<u32>,
     /// Unit normals; flat ones where the file has none.
     pub av_normal: Vec<[f32; 3]>,
-    /// Unit tangent and handedness (+1 or −1); empty when neither the file nor a detail needs them.
+    /// Unit tangent and handedness (+1 or −1), all 0 in primitives without; empty when no primitive has any.
+    /// `weld::with_tangents` makes them for a detail that needs them.
     pub av_tangent: Vec<[f32; 4]>,
     /// Everything else that is interpolated, TEXCOORD_n and COLOR_n first.
     pub attributes: Vec<Attribute>,
@@ -119,6 +120,8 @@ pub struct MeshHealth {
     /// Edges with two triangles and more than one ae: UV seams and hard edges.
     pub seam_edges: u32,
     pub normals_generated: bool,
+    /// Normals of the file that were zero, not finite or not unit length.
+    pub normals_repaired: u32,
 }
 
 impl Mesh {
