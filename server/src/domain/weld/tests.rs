@@ -1,3 +1,5 @@
+//! What welding promises, on small meshes.
+
 use super::*;
 use proptest::prelude::*;
 
