@@ -119,12 +119,7 @@ pub enum Variable {
 pub const VARIABLES: usize = 8;
 
 /// One step of a program, as the shaders read it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Instruction {
-    pub op: u32,
-    pub value: f32,
-}
+pub use crate::layout::geometry::Instruction;
 
 impl Instruction {
     #[must_use]

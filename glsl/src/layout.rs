@@ -35,3 +35,5 @@ mirrors! {
         pub value: u32,
     }
 }
+
+pub mod geometry;

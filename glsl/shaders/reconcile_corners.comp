@@ -1,0 +1,64 @@
+#version 460
+// One displacement for each geometric vertex that has several attribute vertices: the mean of their
+// distinct candidates, or the dominant one. Writes the position to all, and what each is off by.
+#include "common.glsl"
+#include "pages.glsl"
+#include "seams.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;
+    uint rule;
+} params;
+
+PAGED(0, readonly, vec4, av_position_u);
+PAGED(1, readonly, Seam, seam_vertices);
+PAGED(2, readonly, SeamSide, seam_corners);
+PAGED(3, readonly, mat3, jets); // of seam_corners
+PAGED(4, writeonly, vec3, av_correction);
+PAGED(5, writeonly, vec3, positions);
+PAGED(6, , uint, counters);
+
+const uint MISMATCH = 2u;
+
+vec3 candidate(uint at) {
+    return LOAD(jets, at)[0];
+}
+
+bool is_distinct(Seam seam, uint rank) {
+    return LOAD(seam_corners, seam.first + rank).same_as == rank;
+}
+
+// Largest distance between two candidates.
+float mismatch(Seam seam) {
+    float worst = 0.0;
+    for (uint a = 1u; a < seam.count; ++a) {
+        for (uint b = 0u; b < (is_distinct(seam, a) ? a : 0u); ++b) {
+            float apart = length(candidate(seam.first + a) - candidate(seam.first + b));
+            worst = max(worst, is_distinct(seam, b) ? apart : 0.0);
+        }
+    }
+    return worst;
+}
+
+void main() {
+    uint i = thread_index();
+    if (i >= params.count) {
+        return;
+    }
+    Seam seam = LOAD(seam_vertices, i);
+    vec3 displacement = vec3(0.0);
+    for (uint rank = 0u; rank < seam.count; ++rank) {
+        vec3 part = candidate(seam.first + rank) * share(seam, params.rule, rank);
+        precise vec3 sum = displacement + (is_distinct(seam, rank) ? part : vec3(0.0));
+        displacement = sum;
+    }
+    precise vec3 position = LOAD(av_position_u, LOAD(seam_corners, seam.first).id).xyz + displacement;
+    for (uint rank = 0u; rank < seam.count; ++rank) {
+        SeamSide corner = LOAD(seam_corners, seam.first + rank);
+        STORE(av_correction, corner.id, displacement - candidate(seam.first + corner.same_as));
+        STORE(positions, corner.id, position);
+    }
+    atomicMax(ELEMENT(counters, MISMATCH), floatBitsToUint(mismatch(seam)));
+}
