@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use crate::domain::{
-    Result,
+    Error, ErrorKind, Result,
     cancel::{Cancel, Progress},
     detail::Detail,
     image::{ImagePlan, ImageSet, RenderScene},
     mesh::Mesh,
-    plan::SurfacePlan,
+    plan::{MAX_PAGES, PAGE_ELEMENTS, SurfacePlan},
     report::PassTime,
     surface::Surface,
 };
+use crate::vulkan;
 
 /// What an executor needs to know of the job beyond its plan.
 pub struct JobContext<'a> {
@@ -39,3 +40,37 @@ pub trait Executor: Send + Sync {
     /// Renders an image of displaced (or plain) meshes.
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)>;
 }
+
+impl From<vulkan::Error> for Error {
+    fn from(error: vulkan::Error) -> Self {
+        let message = error.message.clone();
+        match error.kind {
+            vulkan::ErrorKind::OutOfMemory => Self::too_large("device", message),
+            vulkan::ErrorKind::NotSupported => Self::unsupported("device", message),
+            vulkan::ErrorKind::Cancelled => Self::cancelled(),
+            vulkan::ErrorKind::Lost => Self::new(ErrorKind::Unavailable, message).with_cause(error),
+            vulkan::ErrorKind::Internal => Self::internal(message).with_cause(error),
+        }
+    }
+}
+
+impl From<vulkan::PassTime> for PassTime {
+    fn from(time: vulkan::PassTime) -> Self {
+        Self { name: time.name.into(), ms: time.ms, bytes: time.bytes }
+    }
+}
+
+impl vulkan::CancelSignal for Cancel {
+    fn is_cancelled(&self) -> bool {
+        Self::is_cancelled(self)
+    }
+}
+
+impl<P: Progress + ?Sized> vulkan::PassObserver for P {
+    fn pass(&self, name: &str, done: u64, total: u64) {
+        Progress::pass(self, name, done, total);
+    }
+}
+
+// The device pages streams as plans assume.
+const _: () = assert!(PAGE_ELEMENTS == 1 << vulkan::PAGE_SHIFT && MAX_PAGES == vulkan::MAX_PAGES);
