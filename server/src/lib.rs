@@ -3,6 +3,15 @@
 //! Dependency direction (checked by `tests/it/tidy.rs`):
 //! `grpc -> jobs -> render -> {domain, vulkan, glsl}`, `store -> domain`, `domain -> glsl (data, reference)`.
 
+pub mod args;
+pub mod config;
 pub mod domain;
+pub mod grpc;
+pub mod jobs;
 pub mod render;
+pub mod service;
+pub mod store;
+pub mod telemetry;
 pub mod vulkan;
+
+pub use jobs::BUILD_ID;

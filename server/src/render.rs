@@ -14,6 +14,24 @@ use crate::domain::{
 };
 use crate::vulkan;
 
+/// Which device, and how.
+#[derive(Clone, Debug, Default)]
+pub struct ExecutorOptions {
+    /// Name, index or UUID; `reference`; none for the best.
+    pub device: Option<String>,
+    pub validation: bool,
+    /// Folder of compiled pipelines.
+    pub cache: std::path::PathBuf,
+    /// Device memory of one job.
+    pub device_bytes: u64,
+}
+
+/// Opens the device that `options` name.
+pub fn open(options: &ExecutorOptions) -> Result<Box<dyn Executor>> {
+    let device = options.device.as_deref().unwrap_or("the best device");
+    Err(Error::unsupported("device", format!("'{device}' cannot be opened: no executor is joined yet")))
+}
+
 /// What an executor needs to know of the job beyond its plan.
 pub struct JobContext<'a> {
     pub cancel: &'a Cancel,
@@ -24,6 +42,11 @@ pub struct JobContext<'a> {
 pub trait Executor: Send + Sync {
     /// Name for people, such as `llvmpipe (LLVM 15.0.6, 256 bits)` or `reference`.
     fn device_name(&self) -> &str;
+
+    /// Driver name and version; empty for `reference`.
+    fn driver(&self) -> &str {
+        ""
+    }
 
     /// Part of every result key: results of different classes may differ in the last bits.
     fn device_class(&self) -> &str;

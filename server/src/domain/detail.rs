@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::expression::Program;
 
 /// The detail of one material: its layers add.
@@ -50,7 +52,7 @@ pub struct Map {
     pub source_bits: u32,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Wrap {
     #[default]
     Repeat,
@@ -60,7 +62,7 @@ pub enum Wrap {
 
 /// Where texel i of n lies: `Center` at (i + 0.5) / n, `Node` at i / (n − 1) (u in [0, 1] never wraps,
 /// period n − 1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Sampling {
     #[default]
     Center,

@@ -46,3 +46,15 @@ pub struct PassTime {
     pub ms: f64,
     pub bytes: u64,
 }
+
+/// What work would take, told without doing it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    pub triangles_in: u64,
+    pub triangles: u64,
+    pub vertices: u64,
+    pub device_bytes: u64,
+    /// Host memory for the outputs.
+    pub output_bytes: u64,
+    pub warnings: Vec<Warning>,
+}

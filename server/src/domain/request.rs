@@ -1,12 +1,35 @@
 //! Requests after parsing: ranges checked, defaults not yet applied where they depend on the asset.
+//!
+//! Serialised, they are the canonical form that result keys are made of: defaults are filled in, so equal
+//! requests give equal bytes.
+
+use serde::Serialize;
 
 use super::{
     Digest,
     detail::{Sampling, Wrap},
 };
 
+/// Work to be estimated.
+#[derive(Clone, Debug, Serialize)]
+pub enum EstimateRequest {
+    Displace(DisplaceRequest),
+    Render(RenderRequest),
+}
+
+impl EstimateRequest {
+    /// The geometry half.
+    #[must_use]
+    pub fn surface(&self) -> &DisplaceRequest {
+        match self {
+            Self::Displace(request) => request,
+            Self::Render(request) => &request.surface,
+        }
+    }
+}
+
 /// The geometry half of every job.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct DisplaceRequest {
     pub mesh: Digest,
     /// External files of a .gltf, by the URI the file uses.
@@ -15,9 +38,24 @@ pub struct DisplaceRequest {
     pub details: Vec<MaterialDetail>,
     pub method: Method,
     pub geometry: Geometry,
+    /// Replaces the base colour map of every material, in images and in the result.
+    pub base_color: Option<Digest>,
 }
 
-#[derive(Clone, Debug)]
+impl DisplaceRequest {
+    /// Every asset the request names, each once, in the order of digests.
+    #[must_use]
+    pub fn assets(&self) -> Vec<Digest> {
+        let maps = self.details.iter().flat_map(|detail| &detail.layers).flat_map(|layer| layer.source.assets());
+        let resources = self.resources.iter().map(|(_, asset)| *asset);
+        let mut assets: Vec<Digest> = resources.chain(maps).chain([self.mesh]).chain(self.base_color).collect();
+        assets.sort_unstable();
+        assets.dedup();
+        assets
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
 pub struct RenderRequest {
     pub surface: DisplaceRequest,
     pub camera: CameraChoice,
@@ -28,7 +66,7 @@ pub struct RenderRequest {
     pub format: ImageFormat,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Method {
     Flat,
     #[default]
@@ -36,7 +74,19 @@ pub enum Method {
     Vector,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+impl Method {
+    /// As the command line and the report write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Displacement => "displacement",
+            Self::Vector => "vector",
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Geometry {
     /// Uniform subdivision: each triangle becomes 4^level. 0 to 12.
     pub uniform_level: u32,
@@ -47,7 +97,7 @@ pub struct Geometry {
     pub feather_texels: f32,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Normals {
     #[default]
     Analytic,
@@ -55,21 +105,21 @@ pub enum Normals {
 }
 
 /// How the values of a seam's sides become one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum SeamRule {
     #[default]
     Mean,
     Dominant,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct MaterialDetail {
     pub material: Option<String>,
     pub layers: Vec<LayerRequest>,
     pub uv_set: u32,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct LayerRequest {
     pub source: SourceRequest,
     pub scale: f32,
@@ -79,7 +129,7 @@ pub struct LayerRequest {
     pub preset: Preset,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub enum SourceRequest {
     Height { map: MapRequest, channel: Channel },
     Vector { map: MapRequest, space: Space, swizzle: Swizzle },
@@ -87,14 +137,24 @@ pub enum SourceRequest {
     Expression { source: String },
 }
 
-#[derive(Clone, Debug)]
+impl SourceRequest {
+    fn assets(&self) -> Vec<Digest> {
+        match self {
+            Self::Height { map, .. } | Self::Vector { map, .. } => vec![map.asset],
+            Self::DirectionMagnitude { direction, magnitude, .. } => vec![direction.asset, magnitude.asset],
+            Self::Expression { .. } => Vec::new(),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
 pub struct MapRequest {
     pub asset: Digest,
     pub wrap: Option<Wrap>,
     pub sampling: Sampling,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Channel {
     #[default]
     R,
@@ -103,7 +163,7 @@ pub enum Channel {
     A,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Space {
     #[default]
     Tangent,
@@ -112,7 +172,7 @@ pub enum Space {
 
 /// Source of each output component: axis 0..3 of the map and its sign. `rgb` is the identity; upper case
 /// in text means negative (`rGb` negates the second).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Swizzle(pub [(u8, bool); 3]);
 
 impl Default for Swizzle {
@@ -122,7 +182,7 @@ impl Default for Swizzle {
 }
 
 /// Printed formulas of the literature this grew from, kept so that the difference can be shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Preset {
     #[default]
     Right,
@@ -130,7 +190,7 @@ pub enum Preset {
     AsPrinted,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum CameraChoice {
     /// The file's first camera, or an orbit that frames the scene.
     Default,
@@ -149,17 +209,15 @@ pub enum CameraChoice {
     },
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// Unit vector towards the light, world space.
     pub light_direction: [f32; 3],
     /// Ambient light, linear, 0 to 1.
     pub ambient: f32,
-    /// Overrides the materials' base colour map.
-    pub base_color: Option<Digest>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Aov {
     Depth,
     Normal,
@@ -168,7 +226,7 @@ pub enum Aov {
     Triangle,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum ImageFormat {
     #[default]
     Png,

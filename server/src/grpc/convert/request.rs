@@ -1,0 +1,93 @@
+//! Requests.
+
+use std::collections::HashSet;
+
+use displace_proto::v1;
+
+use super::{details, digest, geometry, join, known, view};
+use crate::{
+    config::Config,
+    domain::{
+        Digest, Error, Result,
+        request::{Aov, DisplaceRequest, EstimateRequest, ImageFormat, Method, RenderRequest},
+    },
+};
+
+const MAX_RESOURCES: usize = 1000;
+
+/// The mesh, and external files by URI.
+pub(crate) fn mesh_source(path: &str, mesh: Option<v1::MeshSource>) -> Result<(Digest, Vec<(String, Digest)>)> {
+    let mesh = mesh.ok_or_else(|| Error::invalid(path, "is required; name the mesh by its digest"))?;
+    let asset = digest(&join(path, "asset"), mesh.asset.as_ref())?;
+    let count = mesh.resources.len();
+    if count > MAX_RESOURCES {
+        let message = format!("{count} entries; allowed are up to {MAX_RESOURCES}");
+        return Err(Error::invalid(join(path, "resources"), message));
+    }
+    let mut resources = Vec::with_capacity(count);
+    for (n, resource) in mesh.resources.into_iter().enumerate() {
+        let asset = digest(&join(path, &format!("resources[{n}].asset")), resource.asset.as_ref())?;
+        resources.push((resource.uri, asset));
+    }
+    // The order has no meaning, so it must not make another result key.
+    resources.sort();
+    Ok((asset, resources))
+}
+
+pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
+    let (mesh, resources) = mesh_source(&join(path, "mesh"), request.mesh)?;
+    let method = method(&join(path, "method"), request.method)?;
+    let details = details::parse(&join(path, "details"), request.details, method)?;
+    let geometry = geometry::parse(&join(path, "geometry"), request.geometry)?;
+    let base_color = request.look.and_then(|look| look.base_color);
+    let base_color_field = join(path, "look.base_color");
+    let base_color = base_color.map(|asset| digest(&base_color_field, Some(&asset))).transpose()?;
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color })
+}
+
+pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) -> Result<RenderRequest> {
+    let surface = request.surface.ok_or_else(|| Error::invalid(join(path, "surface"), "is required"))?;
+    let surface = displace(&join(path, "surface"), surface)?;
+    let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
+    let look = view::lighting(&join(path, "lighting"), request.lighting)?;
+    let aovs = aovs(&join(path, "aovs"), &request.aovs)?;
+    let format = match known::<v1::ImageFormat>(&join(path, "format"), request.format)? {
+        v1::ImageFormat::Unspecified | v1::ImageFormat::Png => ImageFormat::Png,
+        v1::ImageFormat::Exr => ImageFormat::Exr,
+    };
+    Ok(RenderRequest { surface, camera: view.camera, width: view.width, height: view.height, look, aovs, format })
+}
+
+pub(crate) fn estimate(request: v1::EstimateRequest, config: &Config) -> Result<EstimateRequest> {
+    use v1::estimate_request::Request;
+    match request.request {
+        Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(displace("displace", request)?)),
+        Some(Request::Render(request)) => Ok(EstimateRequest::Render(render("render", request, config)?)),
+        None => Err(Error::invalid("request", "is required; give displace or render")),
+    }
+}
+
+fn method(field: &str, method: i32) -> Result<Method> {
+    Ok(match known(field, method)? {
+        v1::Method::Unspecified | v1::Method::Displacement => Method::Displacement,
+        v1::Method::Flat => Method::Flat,
+        v1::Method::Vector => Method::Vector,
+    })
+}
+
+fn aovs(path: &str, aovs: &[i32]) -> Result<Vec<Aov>> {
+    let mut seen = HashSet::new();
+    let parse = |(n, aov): (usize, &i32)| {
+        let field = format!("{path}[{n}]");
+        let aov = match known(&field, *aov)? {
+            v1::Aov::Unspecified => return Err(Error::invalid(field, "is unspecified; name an output")),
+            v1::Aov::Depth => Aov::Depth,
+            v1::Aov::Normal => Aov::Normal,
+            v1::Aov::Position => Aov::Position,
+            v1::Aov::Uv => Aov::Uv,
+            v1::Aov::Triangle => Aov::Triangle,
+        };
+        if seen.insert(aov) { Ok(aov) } else { Err(Error::invalid(field, format!("{aov:?} is named twice"))) }
+    };
+    aovs.iter().enumerate().map(parse).collect()
+}

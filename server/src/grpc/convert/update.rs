@@ -1,0 +1,70 @@
+//! What a job tells, and what an estimate says.
+
+use displace_proto::v1::{self, job_update::Update};
+
+use super::to_digest;
+use crate::{
+    domain::report::{Estimate, PassTime, Report, Warning},
+    grpc::status::rpc_status,
+    jobs::{Finished, JobEvent},
+};
+
+pub(crate) fn to_update(event: &JobEvent) -> v1::JobUpdate {
+    let update = match event {
+        JobEvent::Queued { position, key } => Update::Queued(v1::Queued { position: *position, key: key.hex() }),
+        JobEvent::Progress { pass, done, total } => {
+            Update::Progress(v1::Progress { pass: pass.to_string(), done: *done, total: *total })
+        }
+        JobEvent::Warning(warning) => Update::Warning(to_warning(warning)),
+        JobEvent::Done(finished) => Update::Result(to_result(finished)),
+        JobEvent::Failed(error) => Update::Error(rpc_status(error)),
+    };
+    v1::JobUpdate { update: Some(update) }
+}
+
+pub(crate) fn to_estimate(estimate: &Estimate, seconds: Option<f64>, cached: bool) -> v1::EstimateResponse {
+    v1::EstimateResponse {
+        triangles: estimate.triangles,
+        vertices: estimate.vertices,
+        triangles_in: estimate.triangles_in,
+        device_bytes: estimate.device_bytes,
+        output_bytes: estimate.output_bytes,
+        seconds,
+        cached,
+        warnings: estimate.warnings.iter().map(to_warning).collect(),
+    }
+}
+
+pub(super) fn to_warning(warning: &Warning) -> v1::Warning {
+    v1::Warning { code: warning.code.clone(), message: warning.message.clone() }
+}
+
+fn to_result(finished: &Finished) -> v1::JobResult {
+    let outputs = finished.outputs.iter().map(|output| v1::Output {
+        name: output.name.clone(),
+        media_type: output.media_type.clone(),
+        digest: Some(to_digest(&output.digest)),
+    });
+    v1::JobResult { report: Some(to_report(&finished.report)), outputs: outputs.collect() }
+}
+
+fn to_report(report: &Report) -> v1::Report {
+    let seams = report.seams.as_ref();
+    v1::Report {
+        method: report.method.clone(),
+        triangles_in: report.triangles_in,
+        triangles: report.triangles,
+        vertices: report.vertices,
+        seams: seams.map(|seams| v1::Seams { gap_max: seams.gap_max, mismatch_max: seams.mismatch_max }),
+        flipped: report.flipped,
+        warnings: report.warnings.iter().map(to_warning).collect(),
+        passes: report.passes.iter().map(to_pass).collect(),
+        total_ms: report.total_ms,
+        device: report.device.clone(),
+        cached: report.cached,
+    }
+}
+
+fn to_pass(pass: &PassTime) -> v1::PassTime {
+    v1::PassTime { name: pass.name.clone(), ms: pass.ms, bytes: pass.bytes }
+}

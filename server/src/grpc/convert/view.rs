@@ -1,0 +1,110 @@
+//! Cameras, sizes, light.
+
+use displace_proto::v1;
+
+use super::{finite, join, vector, within};
+use crate::domain::{
+    Error, Result,
+    request::{CameraChoice, Look},
+};
+
+/// Views of one Render in this version.
+pub(crate) const MAX_VIEWS: usize = 1;
+
+const DEFAULT_SIZE: (u32, u32) = (1280, 720);
+const DEFAULT_YFOV_DEGREES: f32 = 40.0;
+const DEFAULT_AMBIENT: f32 = 0.2;
+
+pub(super) struct View {
+    pub(super) camera: CameraChoice,
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+pub(super) fn parse(path: &str, views: Vec<v1::View>, max_pixels: u32) -> Result<View> {
+    let count = views.len();
+    if count > MAX_VIEWS {
+        return Err(Error::unsupported(path, format!("has {count} entries; this version renders {MAX_VIEWS} a call")));
+    }
+    let view = views.into_iter().next().ok_or_else(|| Error::invalid(path, "is required; give one view"))?;
+    let path = format!("{path}[0]");
+    Ok(View {
+        camera: camera(&path, view.camera)?,
+        width: pixels(&join(&path, "width"), view.width, DEFAULT_SIZE.0, max_pixels)?,
+        height: pixels(&join(&path, "height"), view.height, DEFAULT_SIZE.1, max_pixels)?,
+    })
+}
+
+fn camera(path: &str, camera: Option<v1::view::Camera>) -> Result<CameraChoice> {
+    use v1::view::Camera;
+    Ok(match camera {
+        None => CameraChoice::Default,
+        Some(Camera::Named(name)) => CameraChoice::Named(name),
+        Some(Camera::LookAt(look_at)) => self::look_at(&join(path, "look_at"), &look_at)?,
+        Some(Camera::Orbit(orbit)) => self::orbit(&join(path, "orbit"), &orbit)?,
+    })
+}
+
+fn look_at(path: &str, camera: &v1::LookAt) -> Result<CameraChoice> {
+    let eye = vector(&join(path, "eye"), &camera.eye)?;
+    let target = vector(&join(path, "target"), &camera.target)?;
+    if eye == target {
+        return Err(Error::invalid(join(path, "target"), "is where the camera is; choose another place"));
+    }
+    Ok(CameraChoice::LookAt { eye, target, yfov_degrees: yfov(path, camera.yfov_degrees)? })
+}
+
+fn orbit(path: &str, camera: &v1::Orbit) -> Result<CameraChoice> {
+    let distance = camera.distance.map(|distance| positive(&join(path, "distance"), distance)).transpose()?;
+    Ok(CameraChoice::Orbit {
+        azimuth_degrees: finite(&join(path, "azimuth_degrees"), camera.azimuth_degrees)?,
+        elevation_degrees: within(&join(path, "elevation_degrees"), camera.elevation_degrees, -90.0, 90.0)?,
+        distance,
+        yfov_degrees: yfov(path, camera.yfov_degrees)?,
+    })
+}
+
+fn yfov(path: &str, degrees: Option<f32>) -> Result<f32> {
+    let degrees = degrees.unwrap_or(DEFAULT_YFOV_DEGREES);
+    if degrees > 0.0 && degrees < 180.0 {
+        return Ok(degrees);
+    }
+    Err(Error::invalid(
+        join(path, "yfov_degrees"),
+        format!("{degrees} is out of range; allowed are above 0 and below 180"),
+    ))
+}
+
+fn positive(field: &str, value: f32) -> Result<f32> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(Error::invalid(field, format!("{value} is out of range; allowed are finite values above 0")))
+}
+
+fn pixels(field: &str, value: u32, default: u32, most: u32) -> Result<u32> {
+    let value = if value == 0 { default } else { value };
+    if value <= most {
+        return Ok(value);
+    }
+    Err(Error::invalid(field, format!("{value} pixels are out of range; allowed are 1 to {most}")))
+}
+
+pub(super) fn lighting(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> {
+    let lighting = lighting.unwrap_or_default();
+    let field = join(path, "direction");
+    let towards = if lighting.direction.is_empty() { [1.0; 3] } else { vector(&field, &lighting.direction)? };
+    Ok(Look {
+        light_direction: unit(&field, towards)?,
+        ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(DEFAULT_AMBIENT), 0.0, 1.0)?,
+    })
+}
+
+/// In f64, so that neither huge nor tiny vectors lose their direction.
+fn unit(field: &str, vector: [f32; 3]) -> Result<[f32; 3]> {
+    let length = vector.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>().sqrt();
+    if length == 0.0 {
+        return Err(Error::invalid(field, "has no length; give the direction towards the light"));
+    }
+    Ok(vector.map(|value| (f64::from(value) / length) as f32))
+}

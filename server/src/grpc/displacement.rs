@@ -1,0 +1,127 @@
+//! Handlers of `displace.v1.Displacement`.
+
+use std::time::Duration;
+
+use displace_proto::v1::{self, displacement_server::Displacement};
+use futures::{StreamExt as _, stream, stream::BoxStream};
+use tonic::{Request, Response, Status, metadata::MetadataMap};
+
+use super::{Services, convert, status::status, tenant};
+use crate::{
+    domain::{Error, Result, report::Estimate, request::EstimateRequest},
+    jobs::{Listener, StoreReader, Submission, Work},
+    store::TenantStore,
+};
+
+pub(super) struct DisplacementService(pub(super) Services);
+
+type Updates = BoxStream<'static, Result<v1::JobUpdate, Status>>;
+
+impl DisplacementService {
+    fn store(&self, metadata: &MetadataMap) -> Result<TenantStore> {
+        Ok(self.0.store.tenant(tenant::of(metadata)?))
+    }
+
+    fn work(&self, request: EstimateRequest) -> Box<dyn Work> {
+        match request {
+            EstimateRequest::Displace(request) => self.0.recipes.displace(request),
+            EstimateRequest::Render(request) => self.0.recipes.render(request),
+        }
+    }
+
+    /// Joins or starts the job, and passes on what it tells.
+    async fn updates(&self, request: EstimateRequest, how: Submission, store: TenantStore) -> Result<Updates> {
+        self.require(&request, &store).await?;
+        let listener = self.0.jobs.submit(self.work(request), store, how).await?;
+        Ok(stream::unfold(listener, next_update).boxed())
+    }
+
+    /// Refuses a job whose assets are not there, before it takes a place in the queue.
+    async fn require(&self, request: &EstimateRequest, store: &TenantStore) -> Result<()> {
+        let missing = store.missing(&request.surface().assets()).await?;
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let (count, first) = (missing.len(), missing[0].resource_name());
+        let message = format!("{count} assets are not stored, first {first}; upload them and call again");
+        Err(Error::new(crate::domain::ErrorKind::Missing(missing), message))
+    }
+
+    async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<v1::DescribeResponse> {
+        let store = self.store(request.metadata())?;
+        let (mesh, resources) = convert::mesh_source("mesh", request.into_inner().mesh)?;
+        let (recipes, reader) = (self.0.recipes.clone(), StoreReader::new(store, tokio::runtime::Handle::current()));
+        let described = tokio::task::spawn_blocking(move || recipes.describe(&reader, &mesh, &resources));
+        Ok(convert::to_description(&described.await.map_err(crashed)??))
+    }
+
+    async fn estimate(&self, request: Request<v1::EstimateRequest>) -> Result<v1::EstimateResponse> {
+        let store = self.store(request.metadata())?;
+        let request = convert::estimate(request.into_inner(), &self.0.config)?;
+        self.require(&request, &store).await?;
+        let work = self.work(request.clone());
+        let (key, seconds) = (self.0.jobs.key(work.as_ref(), &store), self.0.jobs.expected_secs(work.as_ref()));
+        let cached = self.0.jobs.stored(&key, &store).await?.is_some();
+        let estimate = self.estimate_of(request, store).await?;
+        Ok(convert::to_estimate(&estimate, seconds, cached))
+    }
+
+    async fn estimate_of(&self, request: EstimateRequest, store: TenantStore) -> Result<Estimate> {
+        let (recipes, limits) = (self.0.recipes.clone(), self.0.jobs.options().limits.clone());
+        let reader = StoreReader::new(store, tokio::runtime::Handle::current());
+        let estimated = tokio::task::spawn_blocking(move || recipes.estimate(&reader, &limits, &request));
+        estimated.await.map_err(crashed)?
+    }
+}
+
+#[tonic::async_trait]
+impl Displacement for DisplacementService {
+    type DisplaceStream = Updates;
+    type RenderStream = Updates;
+
+    async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<Response<v1::DescribeResponse>, Status> {
+        answer(self.describe(request).await)
+    }
+
+    async fn estimate(&self, request: Request<v1::EstimateRequest>) -> Result<Response<v1::EstimateResponse>, Status> {
+        answer(self.estimate(request).await)
+    }
+
+    async fn displace(&self, request: Request<v1::DisplaceRequest>) -> Result<Response<Updates>, Status> {
+        let updates = async {
+            let store = self.store(request.metadata())?;
+            let how = how(request.get_ref());
+            let request = convert::displace("", request.into_inner())?;
+            self.updates(EstimateRequest::Displace(request), how, store).await
+        };
+        answer(updates.await)
+    }
+
+    async fn render(&self, request: Request<v1::RenderRequest>) -> Result<Response<Updates>, Status> {
+        let updates = async {
+            let store = self.store(request.metadata())?;
+            let how = request.get_ref().surface.as_ref().map(how).unwrap_or_default();
+            let request = convert::render("", request.into_inner(), &self.0.config)?;
+            self.updates(EstimateRequest::Render(request), how, store).await
+        };
+        answer(updates.await)
+    }
+}
+
+async fn next_update(mut listener: Listener) -> Option<(Result<v1::JobUpdate, Status>, Listener)> {
+    let event = listener.next().await?;
+    Some((Ok(convert::to_update(&event)), listener))
+}
+
+fn how(request: &v1::DisplaceRequest) -> Submission {
+    let linger = request.linger_secs.map(|secs| Duration::from_secs(secs.into()));
+    Submission { fresh: request.fresh, linger }
+}
+
+fn answer<T>(result: Result<T>) -> Result<Response<T>, Status> {
+    result.map(Response::new).map_err(|error| status(&error))
+}
+
+fn crashed(cause: tokio::task::JoinError) -> Error {
+    Error::internal("the call failed by a fault of the server").with_cause(cause)
+}

@@ -1,0 +1,24 @@
+//! Jobs: admission, joining, cancellation, and the one thread that owns the device.
+//!
+//! A job's life: a handler turns a request into `Work`; `Jobs::submit` answers it from the store, joins it to
+//! the same work under way, or admits it to the queue; the owner thread runs it, stores what it made, and
+//! tells every listener. Not here: what work does (`displace`, `render`) and how it is asked for (`grpc`).
+
+mod admission;
+mod displace;
+mod job;
+mod key;
+mod owner;
+mod registry;
+mod render;
+mod standard;
+mod statistics;
+mod work;
+
+pub use job::{Finished, JobEvent, Listener};
+pub use key::{BUILD_ID, ResultKey};
+pub use owner::OpenExecutor;
+pub use registry::{JobOptions, Jobs, Submission};
+pub use standard::StandardRecipes;
+pub use statistics::{Counters, KindTotals, Snapshot};
+pub use work::{AssetReader, JobLimits, Output, Recipes, StoreReader, Work, WorkContext, WorkOutput};

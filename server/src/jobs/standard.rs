@@ -1,0 +1,33 @@
+//! The jobs this version has.
+
+use super::{AssetReader, JobLimits, Recipes, Work, displace, render};
+use crate::domain::{
+    Digest, Result,
+    describe::Description,
+    report::Estimate,
+    request::{DisplaceRequest, EstimateRequest, RenderRequest},
+};
+
+/// Requests become `displace` and `render` jobs.
+pub struct StandardRecipes;
+
+impl Recipes for StandardRecipes {
+    fn displace(&self, request: DisplaceRequest) -> Box<dyn Work> {
+        Box::new(displace::DisplaceWork { request })
+    }
+
+    fn render(&self, request: RenderRequest) -> Box<dyn Work> {
+        Box::new(render::RenderWork { request })
+    }
+
+    fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description> {
+        displace::describe(assets, mesh, resources)
+    }
+
+    fn estimate(&self, assets: &dyn AssetReader, limits: &JobLimits, request: &EstimateRequest) -> Result<Estimate> {
+        match request {
+            EstimateRequest::Displace(request) => displace::estimate(assets, limits, request),
+            EstimateRequest::Render(request) => render::estimate(assets, limits, request),
+        }
+    }
+}
