@@ -69,10 +69,25 @@ fn one(root: &Path, path: &Path) -> Result<Compiled, String> {
     let explain = |error: glslang::error::GlslangError| messages(&shown, &error.to_string());
     let input = ShaderInput::new(&source, ShaderStage::Compute, &options, None, Some(&mut includes)).map_err(explain)?;
     let words = compiler.create_shader(input).map_err(explain)?.compile().map_err(explain)?;
-    if words.len() * 4 > MAX_SPIRV_BYTES {
-        return Err(format!("{shown}: {} bytes of SPIR-V; at most {MAX_SPIRV_BYTES}: split the pass", words.len() * 4));
+    let bytes = code_bytes(&words);
+    if bytes > MAX_SPIRV_BYTES {
+        return Err(format!("{shown}: {bytes} bytes of SPIR-V; at most {MAX_SPIRV_BYTES}: split the pass"));
     }
     Ok(Compiled { name: name.to_owned(), words })
+}
+
+/// Size without the instructions that only name things, which no driver compiles.
+fn code_bytes(words: &[u32]) -> usize {
+    /// OpSource to OpString.
+    const NAMING: std::ops::RangeInclusive<u32> = 3..=7;
+    let mut rest = &words[words.len().min(5)..];
+    let mut kept = 0;
+    while let Some(first) = rest.first() {
+        let length = ((first >> 16) as usize).clamp(1, rest.len());
+        kept += if NAMING.contains(&(first & 0xFFFF)) { 0 } else { length };
+        rest = &rest[length..];
+    }
+    kept * 4
 }
 
 /// glslang calls the main file `0`; everything it says becomes `path:line: message`.

@@ -11,8 +11,16 @@ const uint MAX_PAGES = 16u;
 #define PAGED(BINDING, ACCESS, TYPE, NAME) \
     layout(set = 0, binding = BINDING, scalar) ACCESS buffer NAME##_block { TYPE data[]; } NAME[MAX_PAGES]
 
-// One element, as an lvalue. The page number is masked because drivers bound reads within a buffer, not
-// reads past an array of buffers.
-#define ELEMENT(NAME, I) NAME[nonuniformEXT(PAGED_STREAMS == 0u ? 0u : ((I) >> PAGE_SHIFT) & (MAX_PAGES - 1u))].data[PAGED_STREAMS == 0u ? (I) : (I) & PAGE_MASK]
+// The page number is masked because drivers bound reads within a buffer, not reads past an array of buffers.
+uint page_of(uint i) {
+    return PAGED_STREAMS == 0u ? 0u : (i >> PAGE_SHIFT) & (MAX_PAGES - 1u);
+}
+
+uint slot_of(uint i) {
+    return PAGED_STREAMS == 0u ? i : i & PAGE_MASK;
+}
+
+// One element, as an lvalue. The index is evaluated twice.
+#define ELEMENT(NAME, I) NAME[nonuniformEXT(page_of(I))].data[slot_of(I)]
 #define LOAD(NAME, I) (ELEMENT(NAME, I))
 #define STORE(NAME, I, VALUE) (ELEMENT(NAME, I) = (VALUE))

@@ -37,3 +37,4 @@ mirrors! {
 }
 
 pub mod geometry;
+pub mod raster;

@@ -1,0 +1,6 @@
+// A place on a triangle that is to be shaded or tested. Mirrored in layout.rs.
+struct Fragment {
+    uint id;     // triangle
+    vec2 at_px;  // in the image
+    uint extra;  // depth bits of a sample under test; number of samples covered otherwise
+};

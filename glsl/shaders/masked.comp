@@ -1,0 +1,40 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The alpha test: fragments that pass their material's cut-off become visible. A thread per fragment.
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#include "common.glsl"
+#include "pages.glsl"
+#include "fragment.glsl"
+#include "surface_point.glsl"
+#include "material.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;
+    ivec2 slab_px;
+    ivec2 slab_size_px;
+} params;
+
+PAGED(0, , uint64_t, visibility);
+PAGED(1, readonly, Fragment, fragments);
+PAGED(2, readonly, SurfacePoint, points);
+PAGED(3, readonly, vec4, point_colors);
+PAGED(4, readonly, Material, materials);
+#include "visibility.glsl"
+
+void main() {
+    uint i = thread_index();
+    if (i >= params.count) {
+        return;
+    }
+    float cutoff = LOAD(materials, LOAD(points, i).material).alpha_cutoff;
+    if (LOAD(point_colors, i).a < cutoff) {
+        return;
+    }
+    Fragment fragment = LOAD(fragments, i);
+    ivec2 pixel = ivec2(floor(fragment.at_px));
+    int s = int((fragment.at_px.y - float(pixel.y)) * 4.0);
+    write_visibility(fragment.id, sample_place(pixel, s), fragment.extra);
+}

@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// One mip level from the one above it: box filter in linear light, 2 texels wide where the size is even
+// and 3 (polyphase) where it is odd. A thread writes two texels, one element of the stream.
+#include "common.glsl"
+#include "pages.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;        // pairs of target texels
+    uint source_first; // texels
+    uint target_first;
+    uvec2 source_size;
+    uvec2 target_size;
+} params;
+
+PAGED(0, , uvec4, texels);
+
+vec4 source_texel(uint x, uint y) {
+    uint i = params.source_first + y * params.source_size.x + x;
+    uvec4 pair = LOAD(texels, i >> 1);
+    uvec2 bits = (i & 1u) == 0u ? pair.xy : pair.zw;
+    return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y));
+}
+
+// Weights of source texels 2i, 2i + 1, 2i + 2 in target texel i.
+vec3 weights(uint i, uint source_size, uint target_size) {
+    if (source_size == 1u) {
+        return vec3(1.0, 0.0, 0.0);
+    }
+    if ((source_size & 1u) == 0u) {
+        return vec3(0.5, 0.5, 0.0);
+    }
+    return vec3(float(target_size - i), float(target_size), float(i + 1u)) / float(source_size);
+}
+
+vec4 filtered(uint texel) {
+    uvec2 at = uvec2(texel % params.target_size.x, texel / params.target_size.x);
+    vec3 wx = weights(at.x, params.source_size.x, params.target_size.x);
+    vec3 wy = weights(at.y, params.source_size.y, params.target_size.y);
+    vec4 sum = vec4(0.0);
+    for (uint y = 0u; y < 3u; ++y) {
+        for (uint x = 0u; x < 3u; ++x) {
+            float weight = wx[x] * wy[y];
+            if (weight > 0.0) {
+                sum += weight * source_texel(at.x * 2u + x, at.y * 2u + y);
+            }
+        }
+    }
+    return sum;
+}
+
+uvec2 packed(vec4 color) {
+    return uvec2(packHalf2x16(color.xy), packHalf2x16(color.zw));
+}
+
+void main() {
+    uint i = thread_index();
+    if (i >= params.count) {
+        return;
+    }
+    uint texels_in_level = params.target_size.x * params.target_size.y;
+    uint first = i * 2u;
+    uvec2 second = first + 1u < texels_in_level ? packed(filtered(first + 1u)) : uvec2(0u);
+    STORE(texels, params.target_first / 2u + i, uvec4(packed(filtered(first)), second));
+}

@@ -1,0 +1,45 @@
+// What the passes that cover samples share: parameters, streams, and what happens to a covered sample. It
+// goes to the visibility buffer; with MASKED defined it becomes a fragment, whose alpha later passes test.
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#include "common.glsl"
+#include "pages.glsl"
+#include "raster_tables.glsl"
+#include "coverage.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform RasterParams {
+    uint count;
+    uint list_first; // in lists or pairs
+    uint part_first;
+    uint part_last;
+    ivec2 slab_px;
+    ivec2 slab_size_px;
+} params;
+
+PAGED(0, , uint64_t, visibility);
+#include "visibility.glsl"
+
+#ifdef MASKED
+#include "fragment.glsl"
+PAGED(1, , uint, fragment_count);
+PAGED(2, writeonly, Fragment, fragments);
+
+void cover_sample(uint id, ivec2 pixel, int s, float depth) {
+    if (!may_be_visible(sample_place(pixel, s), floatBitsToUint(depth))) {
+        return;
+    }
+    uint place = atomicAdd(ELEMENT(fragment_count, 0u), 1u);
+    vec2 at_px = vec2(pixel) + vec2(float(sample_x(s)), float(sample_y(s))) / 256.0;
+    STORE(fragments, place, Fragment(id, at_px, floatBitsToUint(depth)));
+}
+#else
+void cover_sample(uint id, ivec2 pixel, int s, float depth) {
+    write_visibility(id, sample_place(pixel, s), floatBitsToUint(depth));
+}
+#endif
+
+uint group_index() {
+    return gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
+}

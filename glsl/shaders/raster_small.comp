@@ -1,0 +1,4 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// See raster_small.glsl: what is covered is seen.
+#include "raster_small.glsl"

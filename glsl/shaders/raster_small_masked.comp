@@ -1,0 +1,5 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// See raster_small.glsl: covered samples become fragments, whose alpha `masked` tests.
+#define MASKED
+#include "raster_small.glsl"
