@@ -4,6 +4,7 @@ pub mod expression;
 pub mod lattice;
 pub mod layout;
 pub mod methods;
+pub mod reference;
 
 /// A compiled compute shader and what its SPIR-V says of its interface.
 #[derive(Debug)]

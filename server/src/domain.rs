@@ -1,9 +1,11 @@
 //! The vocabulary and the decisions of the server: no transport, no device, no async runtime.
 
+pub mod camera;
 pub mod cancel;
 pub mod describe;
 pub mod detail;
 pub mod digest;
+pub mod encode;
 pub mod error;
 pub mod expression;
 pub mod image;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{detail::Wrap, request::Aov};
+use super::{Error, Result, detail::Wrap, request::Aov};
 
 /// The pure-data recipe of a render.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,7 +13,61 @@ pub struct ImagePlan {
     pub height: u32,
     /// Visibility samples per pixel: 4.
     pub samples: u32,
+    /// The image is made in slabs of at most so many pixels a side; a multiple of 16.
+    pub slab_px: u32,
     pub device_bytes: u64,
+}
+
+/// How much a scene holds, known before any of it is made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImageContents {
+    /// Of all meshes, each counted once.
+    pub vertices: u64,
+    pub triangles: u64,
+    /// Of all instances, each counted as often as it is used.
+    pub instance_vertices: u64,
+    pub instance_triangles: u64,
+    /// Texels of the distinct base colour maps.
+    pub texels: u64,
+    pub has_colors: bool,
+    pub aovs: Vec<Aov>,
+}
+
+impl ImagePlan {
+    pub const MAX_SIDE: u32 = 16384;
+    pub const MAX_SLAB: u32 = 512;
+
+    /// Plans an image. Fails when a side is out of range.
+    pub fn new(width: u32, height: u32, contents: &ImageContents) -> Result<Self> {
+        for (field, side) in [("size.width", width), ("size.height", height)] {
+            if !(1..=Self::MAX_SIDE).contains(&side) {
+                let message = format!("{side} is out of range; 1 to {} pixels are allowed", Self::MAX_SIDE);
+                return Err(Error::invalid(field, message));
+            }
+        }
+        let slab_px = Self::MAX_SLAB;
+        let slab_pixels = u64::from(width.min(slab_px)) * u64::from(height.min(slab_px));
+        let device_bytes = contents.scene_bytes() + contents.work_bytes(slab_pixels);
+        Ok(Self { width, height, samples: 4, slab_px, device_bytes })
+    }
+}
+
+impl ImageContents {
+    /// Vertices (place, normal, uv, perhaps a colour), triangles, maps with their mips in half floats.
+    fn scene_bytes(&self) -> u64 {
+        let per_vertex = 12 + 12 + 8 + if self.has_colors { 16 } else { 0 };
+        self.vertices * per_vertex + self.triangles * 12 + self.texels * 8 * 4 / 3
+    }
+
+    /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
+    fn work_bytes(&self, slab_pixels: u64) -> u64 {
+        let screen = 16 * self.instance_vertices;
+        let listed = self.instance_triangles.min(1 << 20);
+        let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
+        let per_sample = 8 + 16 + 60 + 16;
+        let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
+        screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
+    }
 }
 
 /// Everything an image shows, in host memory.
@@ -25,6 +79,39 @@ pub struct RenderScene {
     pub camera: RenderCamera,
     pub light: RenderLight,
     pub aovs: Vec<Aov>,
+}
+
+impl RenderScene {
+    /// What a plan needs to know of it.
+    #[must_use]
+    pub fn contents(&self) -> ImageContents {
+        let vertices = |mesh: &RenderMesh| mesh.positions.len() as u64;
+        let triangles = |mesh: &RenderMesh| mesh.triangles.len() as u64;
+        let used = || self.instances.iter().filter_map(|instance| self.meshes.get(instance.mesh));
+        let mut maps: Vec<&Arc<ColorMap>> = self.materials.iter().filter_map(|m| m.base_color.as_ref()).collect();
+        maps.sort_by_key(|map| Arc::as_ptr(map));
+        maps.dedup_by_key(|map| Arc::as_ptr(map));
+        ImageContents {
+            vertices: self.meshes.iter().map(vertices).sum(),
+            triangles: self.meshes.iter().map(triangles).sum(),
+            instance_vertices: used().map(vertices).sum(),
+            instance_triangles: used().map(triangles).sum(),
+            texels: maps.iter().map(|map| map.texels.len() as u64).sum(),
+            has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
+            aovs: self.aovs.clone(),
+        }
+    }
+}
+
+impl Aov {
+    /// Per pixel.
+    fn bytes(self) -> u64 {
+        match self {
+            Self::Depth | Self::Triangle => 4,
+            Self::Uv => 8,
+            Self::Normal | Self::Position => 12,
+        }
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -47,6 +134,7 @@ pub struct RenderInstance {
     pub world_from_mesh: [f32; 16],
 }
 
+/// glTF's alpha mode MASK has a cut-off; other materials are opaque.
 #[derive(Clone, Debug)]
 pub struct RenderMaterial {
     /// Linear RGBA.

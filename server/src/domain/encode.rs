@@ -1,0 +1,270 @@
+//! Images to bytes: PNG in 8-bit sRGB with an extra file for each further output, or one EXR that holds all.
+
+use std::io::Cursor;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text, WritableImage,
+};
+use png::{BitDepth, ColorType, SrgbRenderingIntent};
+
+use super::{Error, Result, image::ImageSet, request::ImageFormat};
+
+/// One file of a render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EncodedImage {
+    /// `color` for the picture itself, otherwise the name of the output: `depth`, `normal`, ...
+    pub name: &'static str,
+    pub media_type: &'static str,
+    pub bytes: Vec<u8>,
+}
+
+/// The files of a render; the picture comes first.
+pub fn encode(images: &ImageSet, format: ImageFormat) -> Result<Vec<EncodedImage>> {
+    match format {
+        ImageFormat::Png => encode_png(images),
+        ImageFormat::Exr => {
+            Ok(vec![EncodedImage { name: "color", media_type: "image/x-exr", bytes: encode_exr(images)? }])
+        }
+    }
+}
+
+/// Linear light to the sRGB curve (IEC 61966-2-1), 8 bits.
+#[must_use]
+pub fn srgb_from_linear(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    // A NaN becomes 0.
+    (encoded * 255.0 + 0.5) as u8
+}
+
+fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
+    let png = Png { width: images.width, height: images.height };
+    let mut files = vec![("color", png.color(&images.color)?)];
+    if let Some(depth) = &images.depth {
+        files.push(("depth", png.depth(depth)?));
+    }
+    if let Some(normal) = &images.normal {
+        files.push(("normal", png.normal(normal)?));
+    }
+    if let Some(position) = &images.position {
+        files.push(("position", png.position(position, images.depth.as_deref(), images.triangle.as_deref())?));
+    }
+    if let Some(uv) = &images.uv {
+        files.push(("uv", png.uv(uv)?));
+    }
+    if let Some(triangle) = &images.triangle {
+        files.push(("triangle", png.triangle(triangle)?));
+    }
+    Ok(files.into_iter().map(|(name, bytes)| EncodedImage { name, media_type: "image/png", bytes }).collect())
+}
+
+struct Png {
+    width: u32,
+    height: u32,
+}
+
+impl Png {
+    fn color(&self, color: &[[f32; 4]]) -> Result<Vec<u8>> {
+        let alpha = |a: f32| (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let texels = color.iter().flat_map(|c| {
+            [srgb_from_linear(c[0]), srgb_from_linear(c[1]), srgb_from_linear(c[2]), alpha(c[3])]
+        });
+        self.write(ColorType::Rgba, BitDepth::Eight, true, &[], &texels.collect::<Vec<_>>())
+    }
+
+    /// 16-bit grey: 65535 is nearest, 1 farthest, 0 nothing. The range is in the file's text.
+    fn depth(&self, depth: &[f32]) -> Result<Vec<u8>> {
+        let (near, far) = range(depth.iter().copied());
+        let scale = if far > near { 65534.0 / (far - near) } else { 0.0 };
+        let grey = |d: f32| if d.is_finite() { 1 + ((far - d) * scale + 0.5) as u16 } else { 0 };
+        let bytes: Vec<u8> = depth.iter().flat_map(|&d| grey(d).to_be_bytes()).collect();
+        let text = [("depth_nearest", near.to_string()), ("depth_farthest", far.to_string())];
+        self.write(ColorType::Grayscale, BitDepth::Sixteen, false, &text, &bytes)
+    }
+
+    /// n / 2 + 1/2; black where nothing is.
+    fn normal(&self, normal: &[[f32; 3]]) -> Result<Vec<u8>> {
+        let byte = |n: f32| ((n * 0.5 + 0.5).clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let texel = |n: &[f32; 3]| if *n == [0.0; 3] { [0; 3] } else { n.map(byte) };
+        self.rgb8(normal.iter().map(texel))
+    }
+
+    /// 16-bit per axis within the box of what is seen, which is in the file's text.
+    fn position(&self, position: &[[f32; 3]], depth: Option<&[f32]>, triangle: Option<&[u32]>) -> Result<Vec<u8>> {
+        let seen = |i: usize| match (triangle, depth) {
+            (Some(triangle), _) => triangle[i] != u32::MAX,
+            (None, Some(depth)) => depth[i].is_finite(),
+            (None, None) => position[i] != [0.0; 3],
+        };
+        let axis = |k: usize| range(position.iter().enumerate().filter(|(i, _)| seen(*i)).map(|(_, p)| p[k]));
+        let ranges = [axis(0), axis(1), axis(2)];
+        let word = |p: &[f32; 3], k: usize| {
+            let (low, high) = ranges[k];
+            let scale = if high > low { 65535.0 / (high - low) } else { 0.0 };
+            ((p[k] - low) * scale + 0.5) as u16
+        };
+        let texel = |(i, p): (usize, &[f32; 3])| if seen(i) { [0, 1, 2].map(|k| word(p, k)) } else { [0; 3] };
+        let bytes: Vec<u8> = position.iter().enumerate().flat_map(texel).flat_map(u16::to_be_bytes).collect();
+        let text = [
+            ("position_low", format!("{:?}", ranges.map(|r| r.0))),
+            ("position_high", format!("{:?}", ranges.map(|r| r.1))),
+        ];
+        self.write(ColorType::Rgb, BitDepth::Sixteen, false, &text, &bytes)
+    }
+
+    /// The place within the tile, so that repeated maps show.
+    fn uv(&self, uv: &[[f32; 2]]) -> Result<Vec<u8>> {
+        let byte = |x: f32| if (0.0..=1.0).contains(&x) { x } else { x - x.floor() };
+        self.rgb8(uv.iter().map(|t| [(byte(t[0]) * 255.0 + 0.5) as u8, (byte(t[1]) * 255.0 + 0.5) as u8, 0]))
+    }
+
+    /// A colour per triangle.
+    fn triangle(&self, triangle: &[u32]) -> Result<Vec<u8>> {
+        self.rgb8(triangle.iter().map(|&id| if id == u32::MAX { [0; 3] } else { hashed_color(id) }))
+    }
+
+    fn rgb8(&self, texels: impl Iterator<Item = [u8; 3]>) -> Result<Vec<u8>> {
+        self.write(ColorType::Rgb, BitDepth::Eight, false, &[], &texels.flatten().collect::<Vec<_>>())
+    }
+
+    fn write(
+        &self,
+        color: ColorType,
+        depth: BitDepth,
+        srgb: bool,
+        text: &[(&str, String)],
+        data: &[u8],
+    ) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        encoder.set_compression(png::Compression::Fast);
+        if srgb {
+            encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        }
+        for (key, value) in text {
+            encoder.add_text_chunk((*key).into(), value.clone()).map_err(png_failed)?;
+        }
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(data)).map_err(png_failed)?;
+        Ok(bytes)
+    }
+}
+
+fn png_failed(error: png::EncodingError) -> Error {
+    Error::internal("the image could not be written as PNG").with_cause(error)
+}
+
+/// Smallest and largest of the finite values; (0, 0) of none.
+fn range(values: impl Iterator<Item = f32>) -> (f32, f32) {
+    let finite = values.filter(|v| v.is_finite());
+    let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low <= high { (low, high) } else { (0.0, 0.0) }
+}
+
+/// Far apart for neighbouring ids, never black.
+fn hashed_color(id: u32) -> [u8; 3] {
+    let mut hash = id.wrapping_mul(0x9E37_79B1) ^ 0x85EB_CA6B;
+    hash ^= hash >> 15;
+    hash = hash.wrapping_mul(0x2C1B_3C6D);
+    hash ^= hash >> 13;
+    [hash, hash >> 8, hash >> 16].map(|h| 48 + (h & 0xFF) as u8 % 208)
+}
+
+/// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V (f32), triangle.id (u32).
+fn encode_exr(images: &ImageSet) -> Result<Vec<u8>> {
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
+    let mut float = |name: &str, values: Vec<f32>| channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
+    for (k, name) in ["R", "G", "B", "A"].iter().enumerate() {
+        float(name, images.color.iter().map(|c| c[k]).collect());
+    }
+    if let Some(depth) = &images.depth {
+        float("Z", depth.clone());
+    }
+    for (layer, values) in [("normal", &images.normal), ("position", &images.position)] {
+        for (k, axis) in ["X", "Y", "Z"].iter().enumerate() {
+            if let Some(values) = values {
+                float(&format!("{layer}.{axis}"), values.iter().map(|v| v[k]).collect());
+            }
+        }
+    }
+    if let Some(uv) = &images.uv {
+        float("uv.U", uv.iter().map(|t| t[0]).collect());
+        float("uv.V", uv.iter().map(|t| t[1]).collect());
+    }
+    if let Some(triangle) = &images.triangle {
+        channels.push(AnyChannel::new("triangle.id", FlatSamples::U32(triangle.clone())));
+    }
+    let mut attributes = LayerAttributes::named("displace");
+    attributes.software_name = Some(Text::from("displace"));
+    let size = (images.width as usize, images.height as usize);
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
+    written.map_err(|error| Error::internal("the image could not be written as EXR").with_cause(error))?;
+    Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_pixels() -> ImageSet {
+        ImageSet {
+            width: 2,
+            height: 1,
+            color: vec![[0.5, 0.0, 1.0, 1.0], [0.0, 0.002, 2.0, 1.0]],
+            depth: Some(vec![1.5, f32::INFINITY]),
+            normal: Some(vec![[0.0, 0.0, 1.0], [0.0; 3]]),
+            position: Some(vec![[1.0, 2.0, 3.0], [0.0; 3]]),
+            uv: Some(vec![[0.25, 1.75], [0.0, 0.0]]),
+            triangle: Some(vec![7, u32::MAX]),
+        }
+    }
+
+    fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
+        let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut data).unwrap();
+        data.truncate(info.buffer_size());
+        (info, data)
+    }
+
+    #[test]
+    fn the_picture_is_srgb_and_says_so() {
+        let files = encode(&two_pixels(), ImageFormat::Png).unwrap();
+        assert!(files[0].bytes.windows(4).any(|w| w == b"sRGB"));
+        let (_, data) = decode(&files[0].bytes);
+        assert_eq!(data, [188, 0, 255, 255, 0, 7, 255, 255]);
+    }
+
+    #[test]
+    fn each_further_output_is_a_file_of_its_own() {
+        let files = encode(&two_pixels(), ImageFormat::Png).unwrap();
+        let names: Vec<_> = files.iter().map(|f| f.name).collect();
+        assert_eq!(names, ["color", "depth", "normal", "position", "uv", "triangle"]);
+        assert_eq!(decode(&files[1].bytes).1, [0, 1, 0, 0]);
+        assert_eq!(decode(&files[2].bytes).1, [128, 128, 255, 0, 0, 0]);
+        assert_eq!(decode(&files[4].bytes).1[..2], [64, 191]);
+    }
+
+    #[test]
+    fn an_exr_holds_every_output_bit_for_bit() {
+        use exr::prelude::{ReadChannels, ReadLayers, read};
+        let images = two_pixels();
+        let files = encode(&images, ImageFormat::Exr).unwrap();
+        let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+        let image = read.from_buffered(Cursor::new(&files[0].bytes)).unwrap();
+        let channels = &image.layer_data[0].channel_data.list;
+        let channel = |name: &str| &channels.iter().find(|c| c.name == Text::from(name)).unwrap().sample_data;
+        assert_eq!(*channel("triangle.id"), FlatSamples::U32(vec![7, u32::MAX]));
+        assert_eq!(*channel("Z"), FlatSamples::F32(vec![1.5, f32::INFINITY]));
+        assert_eq!(*channel("B"), FlatSamples::F32(vec![1.0, 2.0]));
+        assert_eq!(channels.len(), 14);
+    }
+
+    #[test]
+    fn the_srgb_curve_passes_through_known_points() {
+        assert_eq!([0.0, 0.214_041, 1.0, 9.0, f32::NAN].map(srgb_from_linear), [0, 128, 255, 255, 0]);
+    }
+}

@@ -1,0 +1,134 @@
+//! Images on a Vulkan device: a visibility buffer filled in compute, then shaded (`README.md` has the
+//! passes). The image is made in slabs, so that its size does not bound the memory of the samples.
+
+pub(crate) mod shading;
+mod streams;
+pub(crate) mod tables;
+mod textures;
+mod visibility;
+
+use std::sync::Arc;
+
+use displace_glsl::layout::raster::SAMPLES;
+
+use crate::{
+    domain::{
+        Error, Result,
+        image::{ImagePlan, ImageSet, RenderScene},
+        report::PassTime,
+        request::Aov,
+    },
+    render::JobContext,
+    vulkan::{Device, Recorder},
+};
+
+use streams::{SceneStreams, WorkStreams};
+use tables::Tables;
+use textures::Textures;
+
+/// Renders the scene. The same plan and scene give the same bytes on the same device, whatever the size of
+/// the slabs.
+pub fn render(
+    device: &Arc<Device>,
+    job: &JobContext<'_>,
+    plan: &ImagePlan,
+    scene: &RenderScene,
+) -> Result<(ImageSet, Vec<PassTime>)> {
+    check_plan(plan)?;
+    let mut tables = Tables::new(plan, scene)?;
+    let textures = Textures::new(scene, &mut tables.materials)?;
+    let mut run = Run { device, job, times: Vec::new() };
+    let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
+    run.record(|recorder| textures.record_mips(recorder, &streams.texels))?;
+    let work = WorkStreams::new(device, plan, &scene.aovs, &tables)?;
+    let mut images = empty_images(plan, &scene.aovs);
+    let slabs = slabs(plan);
+    for (done, slab) in slabs.iter().enumerate() {
+        visibility::fill(&mut run, &tables, &streams, &work, plan, *slab, done == 0)?;
+        shading::shade(&mut run, &tables, &streams, &work, scene, *slab)?;
+        shading::copy_out(&work, *slab, &mut images)?;
+        job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
+    }
+    Ok((images, run.times))
+}
+
+/// A rectangle of the image, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Slab {
+    pub(crate) origin: [u32; 2],
+    pub(crate) size: [u32; 2],
+}
+
+impl Slab {
+    pub(crate) fn pixels(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// As push constants have it: origin and size.
+    pub(crate) fn px(&self) -> ([i32; 2], [i32; 2]) {
+        (self.origin.map(|x| x as i32), self.size.map(|x| x as i32))
+    }
+}
+
+fn slabs(plan: &ImagePlan) -> Vec<Slab> {
+    let side = plan.slab_px as usize;
+    let mut slabs = Vec::new();
+    for y in (0..plan.height).step_by(side) {
+        for x in (0..plan.width).step_by(side) {
+            let size = [plan.slab_px.min(plan.width - x), plan.slab_px.min(plan.height - y)];
+            slabs.push(Slab { origin: [x, y], size });
+        }
+    }
+    slabs
+}
+
+fn check_plan(plan: &ImagePlan) -> Result<()> {
+    let sides = 1..=ImagePlan::MAX_SIDE;
+    let slab_sides = 16..=ImagePlan::MAX_SLAB;
+    let known = plan.samples == SAMPLES && slab_sides.contains(&plan.slab_px) && plan.slab_px % 16 == 0;
+    if known && sides.contains(&plan.width) && sides.contains(&plan.height) {
+        return Ok(());
+    }
+    Err(Error::internal(format!("{plan:?} is not a plan of this version")))
+}
+
+pub(crate) fn empty_images(plan: &ImagePlan, aovs: &[Aov]) -> ImageSet {
+    let pixels = plan.width as usize * plan.height as usize;
+    let wants = |aov: Aov| aovs.contains(&aov);
+    ImageSet {
+        width: plan.width,
+        height: plan.height,
+        color: vec![[0.0; 4]; pixels],
+        depth: wants(Aov::Depth).then(|| vec![f32::INFINITY; pixels]),
+        normal: wants(Aov::Normal).then(|| vec![[0.0; 3]; pixels]),
+        position: wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]),
+        uv: wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]),
+        triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
+    }
+}
+
+/// A render under way: what it runs on, and what its passes took so far.
+pub(crate) struct Run<'a> {
+    device: &'a Arc<Device>,
+    job: &'a JobContext<'a>,
+    times: Vec<PassTime>,
+}
+
+impl Run<'_> {
+    /// Records passes, runs them and waits.
+    pub(crate) fn record(&mut self, passes: impl FnOnce(&mut Recorder<'_>) -> Result<()>) -> Result<()> {
+        let mut recorder = self.device.recorder(self.job.cancel, &crate::domain::cancel::NoProgress);
+        passes(&mut recorder)?;
+        for time in recorder.finish()? {
+            let time = PassTime::from(time);
+            match self.times.iter_mut().find(|known| known.name == time.name) {
+                Some(known) => {
+                    known.ms += time.ms;
+                    known.bytes += time.bytes;
+                }
+                None => self.times.push(time),
+            }
+        }
+        Ok(())
+    }
+}

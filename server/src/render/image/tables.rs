@@ -1,0 +1,257 @@
+//! The tables both executors render from: parts of the scene, instance matrices, materials, and batches
+//! that bound how much is on the screen at a time.
+
+use std::ops::Range;
+
+use displace_glsl::layout::raster::{
+    INSTANCE_ROWS, Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
+};
+use glam::{DMat3, DMat4, DVec3, DVec4};
+
+use crate::domain::{
+    Error, Result,
+    detail::Wrap,
+    image::{ImagePlan, RenderCamera, RenderMaterial, RenderMesh, RenderScene},
+};
+
+/// Screen vertices of a batch, unless a single instance has more: 128 MiB.
+const BATCH_VERTICES: u64 = 8 << 20;
+
+#[derive(Debug)]
+pub(crate) struct Tables {
+    pub(crate) parts: Vec<Part>,
+    /// `INSTANCE_ROWS` for each instance.
+    pub(crate) instance_rows: Vec<[f32; 4]>,
+    /// Without their maps' levels.
+    pub(crate) materials: Vec<Material>,
+    pub(crate) meshes: Vec<MeshPlace>,
+    pub(crate) batches: Vec<Batch>,
+    pub(crate) masked: bool,
+    pub(crate) colored: bool,
+}
+
+/// Where a mesh begins in the streams that hold all meshes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MeshPlace {
+    pub(crate) vertex_base: u64,
+    pub(crate) triangle_base: u64,
+}
+
+/// Vertices of an instance on the screen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnScreen {
+    pub(crate) instance: u32,
+    pub(crate) vertex_first: u32,
+    pub(crate) screen_first: u32,
+    pub(crate) vertices: u64,
+}
+
+/// Consecutive instances whose vertices are on the screen together.
+#[derive(Debug, Default)]
+pub(crate) struct Batch {
+    pub(crate) instances: Vec<OnScreen>,
+    pub(crate) parts: Range<usize>,
+    /// Triangle numbers over all instances.
+    pub(crate) triangles: Range<u64>,
+    pub(crate) vertices: u64,
+}
+
+impl Tables {
+    pub(crate) fn new(plan: &ImagePlan, scene: &RenderScene) -> Result<Self> {
+        check(scene)?;
+        let mut tables = Self {
+            parts: Vec::new(),
+            instance_rows: Vec::new(),
+            materials: scene.materials.iter().map(material).collect(),
+            meshes: places(&scene.meshes),
+            batches: vec![Batch::default()],
+            masked: false,
+            colored: scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
+        };
+        let pixel_from_world = pixel_from_world(&scene.camera, plan);
+        for (index, instance) in scene.instances.iter().enumerate() {
+            let world_from_mesh = DMat4::from_cols_array(&instance.world_from_mesh.map(f64::from));
+            tables.instance_rows.extend(instance_rows(pixel_from_world * world_from_mesh, world_from_mesh));
+            let mirrored = DMat3::from_mat4(world_from_mesh).determinant() < 0.0;
+            tables.add_instance(scene, index, if mirrored { PART_MIRRORED } else { 0 })?;
+        }
+        tables.masked = tables.parts.iter().any(|part| part.flags & PART_MASKED != 0);
+        Ok(tables)
+    }
+
+    fn add_instance(&mut self, scene: &RenderScene, index: usize, flags: u32) -> Result<()> {
+        let mesh_index = scene.instances[index].mesh;
+        let (mesh, place) = (&scene.meshes[mesh_index], self.meshes[mesh_index]);
+        let vertices = mesh.positions.len() as u64;
+        let screen_first = self.reserve(vertices);
+        let flags = flags | if mesh.colors.is_empty() { 0 } else { PART_COLORED };
+        for (run, material) in runs(mesh) {
+            let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
+            self.parts.push(Part {
+                first_triangle: batch.triangles.end as u32,
+                triangle_base: (place.triangle_base + run.start as u64) as u32,
+                screen_base: (screen_first as u32).wrapping_sub(place.vertex_base as u32),
+                instance: index as u32,
+                material,
+                flags: flags | material_flags(&scene.materials[material as usize]),
+            });
+            batch.triangles.end += run.len() as u64;
+            batch.parts.end += 1;
+        }
+        let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
+        batch.instances.push(OnScreen {
+            instance: index as u32,
+            vertex_first: place.vertex_base as u32,
+            screen_first: screen_first as u32,
+            vertices,
+        });
+        batch.vertices += vertices;
+        if batch.triangles.end >= u64::from(u32::MAX) {
+            let message = format!("the scene's instances have more than {} triangles: lower the level", u32::MAX - 1);
+            return Err(Error::too_large("geometry.uniform", message));
+        }
+        Ok(())
+    }
+
+    /// First screen vertex of an instance, in a new batch if the last one is full.
+    fn reserve(&mut self, vertices: u64) -> u64 {
+        let last = &self.batches[self.batches.len() - 1];
+        if last.vertices == 0 || last.vertices + vertices <= BATCH_VERTICES {
+            return last.vertices;
+        }
+        let (part, triangle) = (last.parts.end, last.triangles.end);
+        self.batches.push(Batch { parts: part..part, triangles: triangle..triangle, ..Batch::default() });
+        0
+    }
+}
+
+/// Runs of triangles of one material, without empty ones.
+fn runs(mesh: &RenderMesh) -> impl Iterator<Item = (Range<usize>, u32)> + '_ {
+    let starts = &mesh.material_of_triangles;
+    starts.iter().enumerate().filter_map(|(k, &(first, material))| {
+        let end = starts.get(k + 1).map_or(mesh.triangles.len(), |next| next.0 as usize);
+        (end > first as usize).then_some((first as usize..end, material))
+    })
+}
+
+fn places(meshes: &[RenderMesh]) -> Vec<MeshPlace> {
+    let next = |place: &mut MeshPlace, mesh: &RenderMesh| {
+        let this = *place;
+        place.vertex_base += mesh.positions.len() as u64;
+        place.triangle_base += mesh.triangles.len() as u64;
+        Some(this)
+    };
+    meshes.iter().scan(MeshPlace::default(), next).collect()
+}
+
+fn material_flags(material: &RenderMaterial) -> u32 {
+    let double_sided = if material.double_sided { PART_DOUBLE_SIDED } else { 0 };
+    // A cut-off of 0 lets everything pass.
+    let masked = if material.alpha_cutoff.is_some_and(|cutoff| cutoff > 0.0) { PART_MASKED } else { 0 };
+    double_sided | masked
+}
+
+fn material(material: &RenderMaterial) -> Material {
+    let [wrap_u, wrap_v] = wrap_numbers(material.wrap);
+    Material {
+        base_color: material.base_color_factor,
+        map_u: material.map_from_uv[0],
+        map_v: material.map_from_uv[1],
+        alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+        wrap: wrap_u | wrap_v << 2,
+        level_first: 0,
+        level_count: 0,
+    }
+}
+
+/// As in `material.glsl`.
+pub(crate) fn wrap_numbers(wrap: [Wrap; 2]) -> [u32; 2] {
+    wrap.map(|wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    })
+}
+
+/// Homogeneous pixels: x to the right and y down, from the top left corner.
+fn pixel_from_world(camera: &RenderCamera, plan: &ImagePlan) -> DMat4 {
+    let (half_width, half_height) = (0.5 * f64::from(plan.width), 0.5 * f64::from(plan.height));
+    let pixel_from_clip = DMat4::from_cols(
+        DVec4::new(half_width, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, -half_height, 0.0, 0.0),
+        DVec4::Z,
+        DVec4::new(half_width, half_height, 0.0, 1.0),
+    );
+    let clip_from_view = DMat4::from_cols_array(&camera.clip_from_view.map(f64::from));
+    pixel_from_clip * clip_from_view * DMat4::from_cols_array(&camera.view_from_world.map(f64::from))
+}
+
+fn instance_rows(pixel_from_mesh: DMat4, world_from_mesh: DMat4) -> [[f32; 4]; INSTANCE_ROWS] {
+    let normal = normal_rows(DMat3::from_mat4(world_from_mesh));
+    std::array::from_fn(|row| match row {
+        0..4 => pixel_from_mesh.row(row),
+        4..7 => world_from_mesh.row(row - 4),
+        _ => normal[row - 7].extend(0.0),
+    })
+    .map(|row: DVec4| row.as_vec4().to_array())
+}
+
+/// The inverse transpose up to a positive factor: the cofactors, with the determinant's sign.
+fn normal_rows(m: DMat3) -> [DVec3; 3] {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    let columns = cofactors.to_cols_array();
+    let largest = columns.iter().fold(0f64, |largest, c| largest.max(c.abs()));
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let scale = if largest > 0.0 { sign / largest } else { 0.0 };
+    let cofactors = cofactors * scale;
+    [cofactors.row(0), cofactors.row(1), cofactors.row(2)]
+}
+
+/// The device must never see an index that leads out of a table.
+fn check(scene: &RenderScene) -> Result<()> {
+    for (index, mesh) in scene.meshes.iter().enumerate() {
+        let vertices = mesh.positions.len();
+        let lengths = [mesh.normals.len(), mesh.uvs.len()];
+        let colors_fit = mesh.colors.is_empty() || mesh.colors.len() == vertices;
+        if lengths != [vertices; 2] || !colors_fit {
+            return Err(Error::internal(format!("mesh {index}: its {vertices} vertices lack attributes")));
+        }
+        if mesh.triangles.iter().flatten().any(|&vertex| vertex as usize >= vertices) {
+            return Err(Error::internal(format!("mesh {index}: a triangle names a vertex beyond {vertices}")));
+        }
+        check_runs(index, mesh, scene.materials.len())?;
+    }
+    let meshes = scene.meshes.len();
+    if scene.instances.iter().any(|instance| instance.mesh >= meshes) {
+        return Err(Error::internal(format!("an instance names a mesh beyond {meshes}")));
+    }
+    Ok(())
+}
+
+fn check_runs(index: usize, mesh: &RenderMesh, materials: usize) -> Result<()> {
+    let runs = &mesh.material_of_triangles;
+    let ascending = runs.windows(2).all(|pair| pair[0].0 <= pair[1].0);
+    let inside = runs.iter().all(|run| run.0 as usize <= mesh.triangles.len() && (run.1 as usize) < materials);
+    let covers = mesh.triangles.is_empty() || runs.first().is_some_and(|run| run.0 == 0);
+    if ascending && inside && covers {
+        return Ok(());
+    }
+    Err(Error::internal(format!("mesh {index}: its materials do not cover its triangles in order")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_follow_the_inverse_transpose_under_mirrored_and_uneven_scale() {
+        let m = DMat3::from_cols(DVec3::new(-2.0, 0.0, 0.0), DVec3::new(0.3, 5.0, 0.0), DVec3::new(0.0, 0.1, 0.25));
+        let expected = m.inverse().transpose();
+        let rows = normal_rows(m);
+        for n in [DVec3::X, DVec3::Y, DVec3::new(0.2, -0.4, 0.7)] {
+            let got = DVec3::new(rows[0].dot(n), rows[1].dot(n), rows[2].dot(n)).normalize();
+            assert!((got - (expected * n).normalize()).length() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! Fills the visibility buffer of a slab: transform, setup, and a path for each size of triangle.
+
+use displace_glsl::{
+    SHADERS,
+    layout::raster::{
+        ClipParams, LARGE, LARGE_MASKED, LISTS, MAX_PIECES, MEDIUM, MaskedParams, RasterParams, SMALL, SMALL_MASKED,
+        SetupParams, TileCountsParams, TilesParams, TransformParams,
+    },
+};
+
+use crate::{
+    domain::{Result, image::ImagePlan},
+    vulkan::Stream,
+};
+
+use super::{
+    Run, Slab, shading,
+    streams::{LARGE_CHUNK, PAIR_CHUNK, RANGE_TRIANGLES, SceneStreams, WorkStreams},
+    tables::{Batch, Tables},
+};
+
+const GROUP_THREADS: u64 = 64;
+
+/// What every step here works on.
+struct Job<'a, 'r> {
+    run: &'a mut Run<'r>,
+    tables: &'a Tables,
+    streams: &'a SceneStreams,
+    work: &'a WorkStreams,
+    slab: Slab,
+}
+
+pub(crate) fn fill(
+    run: &mut Run<'_>,
+    tables: &Tables,
+    streams: &SceneStreams,
+    work: &WorkStreams,
+    plan: &ImagePlan,
+    slab: Slab,
+    first_slab: bool,
+) -> Result<()> {
+    run.record(|recorder| Ok(recorder.fill(&work.visibility, 0)?))?;
+    let mut job = Job { run, tables, streams, work, slab };
+    for batch in &tables.batches {
+        // A single batch stays on the screen for all slabs.
+        if first_slab || tables.batches.len() > 1 {
+            job.transform(batch, plan)?;
+        }
+        let mut first = batch.triangles.start;
+        while first < batch.triangles.end {
+            let end = (first + RANGE_TRIANGLES).min(batch.triangles.end);
+            job.draw(batch, first, end - first)?;
+            first = end;
+        }
+    }
+    Ok(())
+}
+
+impl Job<'_, '_> {
+    fn transform(&mut self, batch: &Batch, plan: &ImagePlan) -> Result<()> {
+        let (streams, work) = (self.streams, self.work);
+        self.run.record(|recorder| {
+            for on_screen in &batch.instances {
+                let params = TransformParams {
+                    count: on_screen.vertices as u32,
+                    instance: on_screen.instance,
+                    vertex_first: on_screen.vertex_first,
+                    screen_first: on_screen.screen_first,
+                    size_px: [plan.width as f32, plan.height as f32],
+                };
+                let bound = [
+                    ("positions", &streams.positions),
+                    ("instance_rows", &streams.instance_rows),
+                    ("screen", &work.screen),
+                ];
+                recorder.dispatch(&SHADERS.transform, on_screen.vertices, &params, &bound)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Draws `count` triangles from `first` on, numbered over all instances.
+    fn draw(&mut self, batch: &Batch, first: u64, count: u64) -> Result<()> {
+        let lengths = self.setup(batch, first, count)?;
+        let list = |index: usize| (index as u64 * self.work.list_capacity, lengths[index]);
+        let lists: [(u64, u64); LISTS] = std::array::from_fn(list);
+        self.draw_whole(batch, lists[SMALL], lists[MEDIUM])?;
+        self.draw_small_masked(batch, lists[SMALL_MASKED])?;
+        self.draw_large(batch, lists[LARGE], false)?;
+        self.draw_large(batch, lists[LARGE_MASKED], true)
+    }
+
+    /// Sorts the triangles by size; says how many fell into each list.
+    fn setup(&mut self, batch: &Batch, first: u64, count: u64) -> Result<Vec<u64>> {
+        let (streams, work) = (self.streams, self.work);
+        let (slab_px, slab_size_px) = self.slab.px();
+        let params = SetupParams {
+            count: count as u32,
+            first_triangle: first as u32,
+            part_first: batch.parts.start as u32,
+            part_last: batch.parts.end as u32 - 1,
+            slab_px,
+            slab_size_px,
+            capacity: work.list_capacity as u32,
+        };
+        self.run.record(|recorder| {
+            recorder.fill(&work.counters, 0)?;
+            let bound = [
+                ("triangles", &streams.triangles),
+                ("parts", &streams.parts),
+                ("screen", &work.screen),
+                ("counters", &work.counters),
+                ("lists", &work.lists),
+            ];
+            Ok(recorder.dispatch(&SHADERS.setup, count, &params, &bound)?)
+        })?;
+        let lengths: Vec<u32> = work.counters.read()?;
+        Ok(lengths.into_iter().map(|length| u64::from(length).min(work.list_capacity)).collect())
+    }
+
+    fn raster_params(&self, batch: &Batch, first: u64, count: u64) -> RasterParams {
+        let (slab_px, slab_size_px) = self.slab.px();
+        RasterParams {
+            count: count as u32,
+            list_first: first as u32,
+            part_first: batch.parts.start as u32,
+            part_last: batch.parts.end as u32 - 1,
+            slab_px,
+            slab_size_px,
+        }
+    }
+
+    /// Small and medium triangles without an alpha cut-off.
+    fn draw_whole(&mut self, batch: &Batch, small: (u64, u64), medium: (u64, u64)) -> Result<()> {
+        let small_params = self.raster_params(batch, small.0, small.1);
+        let medium_params = self.raster_params(batch, medium.0, medium.1);
+        let bound = triangle_bindings(self.streams, self.work);
+        self.run.record(|recorder| {
+            if small.1 > 0 {
+                recorder.dispatch(&SHADERS.raster_small, small.1, &small_params, &bound)?;
+            }
+            if medium.1 > 0 {
+                recorder.dispatch(&SHADERS.raster_medium, medium.1 * GROUP_THREADS, &medium_params, &bound)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Small triangles with an alpha cut-off, so many at a time that their samples fit.
+    fn draw_small_masked(&mut self, batch: &Batch, (list_first, length): (u64, u64)) -> Result<()> {
+        let (streams, work) = (self.streams, self.work);
+        let mut done = 0;
+        while done < length {
+            let count = (length - done).min(work.masked_small_chunk);
+            let params = self.raster_params(batch, list_first + done, count);
+            let mut bound = triangle_bindings(streams, work).to_vec();
+            bound.extend(fragment_bindings(work));
+            self.run.record(|recorder| {
+                recorder.fill(&work.fragment_count, 0)?;
+                Ok(recorder.dispatch(&SHADERS.raster_small_masked, count, &params, &bound)?)
+            })?;
+            self.test_fragments()?;
+            done += count;
+        }
+        Ok(())
+    }
+
+    /// Large triangles: records, then tiles.
+    fn draw_large(&mut self, batch: &Batch, (list_first, length): (u64, u64), masked: bool) -> Result<()> {
+        let mut done = 0;
+        while done < length {
+            let count = (length - done).min(LARGE_CHUNK);
+            let pairs = self.make_records(batch, list_first + done, count)?;
+            let chunk = if masked { self.work.masked_pair_chunk.min(PAIR_CHUNK) } else { PAIR_CHUNK };
+            let mut first = 0;
+            while first < pairs {
+                let taken = (pairs - first).min(chunk);
+                self.draw_pairs(batch, first, taken, count * u64::from(MAX_PIECES), masked)?;
+                first += taken;
+            }
+            done += count;
+        }
+        Ok(())
+    }
+
+    /// Clips triangles of a list into records and counts the tiles they meet.
+    fn make_records(&mut self, batch: &Batch, list_first: u64, count: u64) -> Result<u64> {
+        let (streams, work) = (self.streams, self.work);
+        let records = count * u64::from(MAX_PIECES);
+        let (slab_px, slab_size_px) = self.slab.px();
+        let clip = ClipParams {
+            count: count as u32,
+            list_first: list_first as u32,
+            part_first: batch.parts.start as u32,
+            part_last: batch.parts.end as u32 - 1,
+        };
+        let counts = TileCountsParams { count: records as u32, slab_px, slab_size_px };
+        self.run.record(|recorder| {
+            let bound = [
+                ("triangles", &streams.triangles),
+                ("parts", &streams.parts),
+                ("screen", &work.screen),
+                ("lists", &work.lists),
+                ("positions", &streams.positions),
+                ("instance_rows", &streams.instance_rows),
+                ("records", &work.records),
+            ];
+            recorder.dispatch(&SHADERS.clip, count, &clip, &bound)?;
+            let bound = [("records", &work.records), ("counts", &work.tile_counts)];
+            recorder.dispatch(&SHADERS.tile_counts, records, &counts, &bound)?;
+            work.scan.record(recorder, &work.tile_counts, &work.tile_offsets, records)
+        })?;
+        work.scan.total()
+    }
+
+    fn draw_pairs(&mut self, batch: &Batch, first: u64, count: u64, records: u64, masked: bool) -> Result<()> {
+        let work = self.work;
+        let (slab_px, slab_size_px) = self.slab.px();
+        let tiles = TilesParams {
+            count: count as u32,
+            pair_first: first as u32,
+            record_count: records as u32,
+            slab_px,
+            slab_size_px,
+        };
+        let params = self.raster_params(batch, 0, count);
+        let shader = if masked { &SHADERS.raster_large_masked } else { &SHADERS.raster_large };
+        self.run.record(|recorder| {
+            let bound = [("records", &work.records), ("offsets", &work.tile_offsets), ("pairs", &work.pairs)];
+            recorder.dispatch(&SHADERS.tiles, count, &tiles, &bound)?;
+            let mut bound =
+                vec![("visibility", &work.visibility), ("records", &work.records), ("pairs", &work.pairs)];
+            if masked {
+                recorder.fill(&work.fragment_count, 0)?;
+                bound.extend(fragment_bindings(work));
+            }
+            Ok(recorder.dispatch(shader, count * GROUP_THREADS, &params, &bound)?)
+        })?;
+        if masked { self.test_fragments() } else { Ok(()) }
+    }
+
+    /// The alpha test of the fragments that a masked pass has left.
+    fn test_fragments(&mut self) -> Result<()> {
+        let (streams, work) = (self.streams, self.work);
+        let count = fragment_count(work)?;
+        let (slab_px, slab_size_px) = self.slab.px();
+        let params = MaskedParams { count: count as u32, slab_px, slab_size_px };
+        let part_last = self.tables.parts.len() as u32 - 1;
+        self.run.record(|recorder| {
+            shading::record_surface(recorder, streams, work, part_last, count)?;
+            let bound = [
+                ("visibility", &work.visibility),
+                ("fragments", &work.fragments),
+                ("points", &work.points),
+                ("point_colors", &work.point_colors),
+                ("materials", &streams.materials),
+            ];
+            Ok(recorder.dispatch(&SHADERS.masked, count, &params, &bound)?)
+        })
+    }
+}
+
+fn triangle_bindings<'a>(streams: &'a SceneStreams, work: &'a WorkStreams) -> [(&'static str, &'a Stream); 5] {
+    [
+        ("visibility", &work.visibility),
+        ("triangles", &streams.triangles),
+        ("parts", &streams.parts),
+        ("screen", &work.screen),
+        ("lists", &work.lists),
+    ]
+}
+
+fn fragment_bindings(work: &WorkStreams) -> [(&'static str, &Stream); 2] {
+    [("fragment_count", &work.fragment_count), ("fragments", &work.fragments)]
+}
+
+/// How many fragments the last pass that makes them has made.
+pub(crate) fn fragment_count(work: &WorkStreams) -> Result<u64> {
+    let count: Vec<u32> = work.fragment_count.read()?;
+    Ok(u64::from(count[0]).min(work.fragments.len()))
+}

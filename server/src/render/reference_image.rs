@@ -1,0 +1,334 @@
+//! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
+//! no slabs. Coverage is decided in 128-bit integers.
+
+use std::sync::Arc;
+
+use displace_glsl::{
+    layout::raster::{INSTANCE_ROWS, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
+    reference::{
+        base_color,
+        clip::clip,
+        mip::Level,
+        raster::{SAMPLES, ScreenTriangle},
+        shade::{Light, phong},
+        surface::{Barycentrics, barycentrics, unit_or_zero},
+        transform::{Snapped, homogeneous, needs_clip, snapped},
+    },
+};
+use glam::{DVec2, DVec3, DVec4};
+use rayon::prelude::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+use crate::domain::{
+    Result,
+    image::{ColorMap, ImagePlan, ImageSet, RenderMesh, RenderScene},
+    report::PassTime,
+};
+
+use super::{
+    JobContext,
+    image::{empty_images, shading::eye_and_depth, tables::{Tables, wrap_numbers}},
+};
+
+/// Pixel rows whose triangles are listed together.
+const BAND_ROWS: u32 = 16;
+const NOTHING: u32 = u32::MAX;
+
+pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
+    let start = std::time::Instant::now();
+    let oracle = Oracle::new(plan, scene)?;
+    let triangles = oracle.screen_triangles();
+    job.cancel.check()?;
+    let bands = bands(&triangles, plan.height);
+    let rows: Vec<Vec<Pixel>> = (0..plan.height)
+        .into_par_iter()
+        .map(|y| {
+            job.cancel.check()?;
+            Ok(oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]))
+        })
+        .collect::<Result<_>>()?;
+    let mut images = empty_images(plan, &scene.aovs);
+    rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
+    job.progress.pass("image", 1, 1);
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    Ok((images, vec![PassTime { name: "image".into(), ms, bytes: 0 }]))
+}
+
+/// A triangle, or a piece of one, on the screen.
+struct Piece {
+    id: u32,
+    triangle: ScreenTriangle,
+}
+
+/// Pieces whose boxes meet each band of rows.
+fn bands(pieces: &[Piece], height: u32) -> Vec<Vec<u32>> {
+    let mut bands = vec![Vec::new(); height.div_ceil(BAND_ROWS) as usize];
+    let last = bands.len() as i64 - 1;
+    for (index, piece) in pieces.iter().enumerate() {
+        let [low, high] = piece.triangle.bounds().map(|corner| corner[1].div_euclid(256 * i64::from(BAND_ROWS)));
+        for band in low.max(0)..=high.min(last) {
+            bands[band as usize].push(index as u32);
+        }
+    }
+    bands
+}
+
+/// Nearest triangle of a sample: reversed depth and id.
+#[derive(Clone, Copy)]
+struct Seen {
+    depth: f64,
+    id: u32,
+}
+
+const EMPTY: Seen = Seen { depth: -1.0, id: NOTHING };
+
+/// What the images hold of one pixel.
+struct Pixel {
+    color: DVec3,
+    hit: Option<(u32, Hit)>,
+    depth: f64,
+}
+
+impl Pixel {
+    fn store(self, i: usize, images: &mut ImageSet) {
+        images.color[i] = self.color.as_vec3().extend(1.0).to_array();
+        let Some((id, hit)) = self.hit else { return };
+        set(&mut images.depth, i, self.depth as f32);
+        set(&mut images.normal, i, hit.normal.as_vec3().to_array());
+        set(&mut images.position, i, hit.position.as_vec3().to_array());
+        set(&mut images.uv, i, hit.uv.as_vec2().to_array());
+        set(&mut images.triangle, i, id);
+    }
+}
+
+fn set<T>(image: &mut Option<Vec<T>>, i: usize, value: T) {
+    if let Some(image) = image {
+        image[i] = value;
+    }
+}
+
+struct Hit {
+    position: DVec3,
+    normal: DVec3,
+    uv: DVec2,
+    base: DVec4,
+}
+
+struct Oracle<'a> {
+    scene: &'a RenderScene,
+    tables: Tables,
+    width: u32,
+    /// Mip levels of each material's map.
+    maps: Vec<Option<Arc<Vec<Level>>>>,
+    light: Light,
+    eye: DVec4,
+    view_depth: DVec4,
+}
+
+impl<'a> Oracle<'a> {
+    fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
+        let (eye, view_depth) = eye_and_depth(&scene.camera);
+        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        Ok(Self {
+            scene,
+            tables: Tables::new(plan, scene)?,
+            width: plan.width,
+            maps: map_levels(scene),
+            light: Light {
+                direction: wide(scene.light.direction_world),
+                color: wide(scene.light.color),
+                ambient: f64::from(scene.light.ambient),
+            },
+            eye: DVec4::from_array(eye.map(f64::from)),
+            view_depth: DVec4::from_array(view_depth.map(f64::from)),
+        })
+    }
+
+    fn rows(&self, part: &Part) -> &[[f32; 4]] {
+        &self.tables.instance_rows[part.instance as usize * INSTANCE_ROWS..][..INSTANCE_ROWS]
+    }
+
+    fn mesh(&self, part: &Part) -> &RenderMesh {
+        &self.scene.meshes[self.scene.instances[part.instance as usize].mesh]
+    }
+
+    /// Vertices of a triangle, as its mesh numbers them.
+    fn vertices(&self, part: &Part, id: u32) -> [usize; 3] {
+        let mesh = self.scene.instances[part.instance as usize].mesh;
+        let base = self.tables.meshes[mesh].triangle_base as u32;
+        let triangle = part.triangle_base - base + (id - part.first_triangle);
+        self.scene.meshes[mesh].triangles[triangle as usize].map(|v| v as usize)
+    }
+
+    fn part(&self, id: u32) -> &Part {
+        let parts = &self.tables.parts;
+        &parts[parts.partition_point(|part| part.first_triangle <= id) - 1]
+    }
+
+    fn screen_triangles(&self) -> Vec<Piece> {
+        let parts = &self.tables.parts;
+        let total = self.tables.batches.last().map_or(0, |batch| batch.triangles.end) as u32;
+        let end = |k: usize| parts.get(k + 1).map_or(total, |next| next.first_triangle);
+        let ranges: Vec<_> = parts.iter().enumerate().map(|(k, part)| (part, part.first_triangle..end(k))).collect();
+        let of_part = |(part, ids): &(&Part, std::ops::Range<u32>)| {
+            ids.clone().into_par_iter().flat_map_iter(|id| self.pieces(part, id)).collect::<Vec<_>>()
+        };
+        ranges.par_iter().flat_map_iter(of_part).collect()
+    }
+
+    fn pieces(&self, part: &Part, id: u32) -> Vec<Piece> {
+        let (mesh, rows) = (self.mesh(part), self.rows(part));
+        let corners = self.vertices(part, id).map(|v| homogeneous(rows, mesh.positions[v]));
+        if corners.iter().any(|h| !h.is_finite()) {
+            return Vec::new();
+        }
+        let whole = !corners.iter().any(|&h| needs_clip(h));
+        let polygon = if whole { corners.to_vec() } else { clip(corners) };
+        let outline: Vec<Snapped> = polygon.into_iter().map(snapped).collect();
+        let fans = (2..outline.len()).filter_map(|k| ScreenTriangle::new(outline[0], outline[k - 1], outline[k]));
+        fans.filter(|t| faces_viewer(t, part.flags)).map(|triangle| Piece { id, triangle }).collect()
+    }
+
+    fn row(&self, y: u32, pieces: &[Piece], band: &[u32]) -> Vec<Pixel> {
+        let mut seen = vec![[EMPTY; 4]; self.width as usize];
+        for &index in band {
+            self.cover_row(y, &pieces[index as usize], &mut seen);
+        }
+        seen.iter().enumerate().map(|(x, samples)| self.pixel(x as u32, y, samples)).collect()
+    }
+
+    fn cover_row(&self, y: u32, piece: &Piece, seen: &mut [[Seen; 4]]) {
+        let [low, high] = piece.triangle.bounds();
+        let first = low[0].div_euclid(256).max(0);
+        let last = high[0].div_euclid(256).min(i64::from(self.width) - 1);
+        for x in first..=last {
+            for (s, offset) in SAMPLES.iter().enumerate() {
+                let at = [x * 256 + offset[0], i64::from(y) * 256 + offset[1]];
+                if !piece.triangle.covers(at) {
+                    continue;
+                }
+                let (depth, known) = (piece.triangle.depth_at(at), &mut seen[x as usize][s]);
+                let nearer = depth > known.depth || (depth == known.depth && piece.id < known.id);
+                if nearer && self.is_opaque(piece.id, at) {
+                    *known = Seen { depth, id: piece.id };
+                }
+            }
+        }
+    }
+
+    fn is_opaque(&self, id: u32, at: [i64; 2]) -> bool {
+        let part = self.part(id);
+        if part.flags & PART_MASKED == 0 {
+            return true;
+        }
+        let cutoff = f64::from(self.tables.materials[part.material as usize].alpha_cutoff);
+        self.hit(id, at.map(|x| x as f64 / 256.0)).base.w >= cutoff
+    }
+
+    fn pixel(&self, x: u32, y: u32, samples: &[Seen; 4]) -> Pixel {
+        let background = DVec3::from_array(self.scene.light.background.map(f64::from));
+        let empty = samples.iter().filter(|s| s.id == NOTHING).count();
+        let mut pixel = Pixel { color: background * (0.25 * empty as f64), hit: None, depth: f64::INFINITY };
+        let mut most = empty.saturating_sub(1);
+        for (first, sample) in samples.iter().enumerate() {
+            let known = samples[..first].iter().any(|earlier| earlier.id == sample.id);
+            if known || sample.id == NOTHING {
+                continue;
+            }
+            let covered: Vec<usize> = (0..4).filter(|&s| samples[s].id == sample.id).collect();
+            let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
+            let scale = 1.0 / (256.0 * covered.len() as f64);
+            let hit = self.hit(sample.id, [f64::from(x) + centre(0) * scale, f64::from(y) + centre(1) * scale]);
+            pixel.color += self.light(&hit) * (0.25 * covered.len() as f64);
+            if covered.len() > most {
+                most = covered.len();
+                pixel.depth = self.view_depth.dot(hit.position.extend(1.0));
+                pixel.hit = Some((sample.id, hit));
+            }
+        }
+        pixel
+    }
+
+    fn light(&self, hit: &Hit) -> DVec3 {
+        let to_eye = (self.eye.truncate() - self.eye.w * hit.position).normalize();
+        phong(&self.light, hit.base.truncate(), hit.normal, to_eye)
+    }
+
+    fn hit(&self, id: u32, at_px: [f64; 2]) -> Hit {
+        let part = self.part(id);
+        let (mesh, rows, v) = (self.mesh(part), self.rows(part), self.vertices(part, id));
+        let b = barycentrics(v.map(|v| {
+            let h = homogeneous(rows, mesh.positions[v]);
+            DVec3::new(h.x - at_px[0] * h.w, h.y - at_px[1] * h.w, h.w)
+        }));
+        let position = blend(&b.at, v.map(|v| vec3(mesh.positions[v])));
+        let normal = blend(&b.at, v.map(|v| vec3(mesh.normals[v])));
+        let world = |first: usize, p: DVec4| {
+            DVec3::from_array([0, 1, 2].map(|k| DVec4::from_array(rows[first + k].map(f64::from)).dot(p)))
+        };
+        let normal = unit_or_zero(world(7, normal.extend(0.0)));
+        let back = b.clockwise != (part.flags & PART_MIRRORED != 0);
+        Hit {
+            position: world(4, position.extend(1.0)),
+            normal: if back { -normal } else { normal },
+            uv: uv_at(mesh, v, &b.at),
+            base: self.base_color(part, mesh, v, &b),
+        }
+    }
+
+    fn base_color(&self, part: &Part, mesh: &RenderMesh, v: [usize; 3], b: &Barycentrics) -> DVec4 {
+        let material = &self.scene.materials[part.material as usize];
+        let mut color = DVec4::from_array(material.base_color_factor.map(f64::from));
+        if part.flags & PART_COLORED != 0 {
+            let at = |k: usize| DVec4::from_array(mesh.colors[v[k]].map(f64::from));
+            color *= at(0) * b.at.x + at(1) * b.at.y + at(2) * b.at.z;
+        }
+        if let Some(levels) = &self.maps[part.material as usize] {
+            let map = |uv: DVec2, one: f64| {
+                material.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
+            };
+            let (uv, dx, dy) = (uv_at(mesh, v, &b.at), uv_at(mesh, v, &b.dx), uv_at(mesh, v, &b.dy));
+            let wrap = wrap_numbers(material.wrap);
+            color *= DVec4::from_array(base_color::trilinear(levels, map(uv, 1.0), map(dx, 0.0), map(dy, 0.0), wrap));
+        }
+        color
+    }
+}
+
+fn faces_viewer(triangle: &ScreenTriangle, flags: u32) -> bool {
+    flags & PART_DOUBLE_SIDED != 0 || triangle.turned != (flags & PART_MIRRORED != 0)
+}
+
+fn vec3(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+fn blend(weights: &DVec3, corners: [DVec3; 3]) -> DVec3 {
+    corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
+}
+
+fn uv_at(mesh: &RenderMesh, v: [usize; 3], weights: &DVec3) -> DVec2 {
+    let [a, b, c] = v.map(|v| DVec2::from_array(mesh.uvs[v].map(f64::from)));
+    a * weights.x + b * weights.y + c * weights.z
+}
+
+/// Mip levels per material; materials that share a map share its levels.
+fn map_levels(scene: &RenderScene) -> Vec<Option<Arc<Vec<Level>>>> {
+    let mut known: Vec<(&Arc<ColorMap>, Arc<Vec<Level>>)> = Vec::new();
+    let mut levels = Vec::new();
+    for map in scene.materials.iter().map(|material| material.base_color.as_ref()) {
+        levels.push(map.map(|map| match known.iter().find(|(other, _)| Arc::ptr_eq(other, map)) {
+            Some((_, levels)) => levels.clone(),
+            None => {
+                let levels = Arc::new(finest_level(map).chain());
+                known.push((map, levels.clone()));
+                levels
+            }
+        }));
+    }
+    levels
+}
+
+fn finest_level(map: &ColorMap) -> Level {
+    let texels = map.texels.iter().map(|texel| texel.map(f64::from)).collect();
+    Level { width: map.width as usize, height: map.height as usize, texels }
+}
