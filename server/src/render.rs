@@ -1,5 +1,9 @@
 //! Executors of a plan: the Vulkan device and the f64 reference.
 
+pub mod image;
+pub mod reference_image;
+pub mod scan;
+
 use std::sync::Arc;
 
 use crate::domain::{

@@ -4,6 +4,10 @@
 #[must_use]
 pub fn exclusive_sums(items: &[u32]) -> (Vec<u64>, u64) {
     let mut total = 0u64;
-    let offsets = items.iter().map(|&item| std::mem::replace(&mut total, total + u64::from(item))).collect();
+    let mut offsets = Vec::with_capacity(items.len());
+    for &item in items {
+        offsets.push(total);
+        total += u64::from(item);
+    }
     (offsets, total)
 }
