@@ -1,5 +1,8 @@
 //! Writes a test mesh as a GLB and reads a GLB's triangles back, independently of the server's own code.
 
+use std::path::Path;
+
+use base64::Engine as _;
 use serde_json::{Value, json};
 
 use crate::meshes::TestMesh;
@@ -92,7 +95,27 @@ pub fn pack(document: &Value, bin: &[u8]) -> Vec<u8> {
 #[must_use]
 pub fn read(bytes: &[u8]) -> Vec<Part> {
     let gltf = gltf::Gltf::from_slice_without_validation(bytes).expect("the result is a GLB");
-    let blob = gltf.blob.as_deref();
+    read_parts(&gltf, gltf.blob.as_deref())
+}
+
+/// The same of a .gltf whose one buffer is a file beside it, or a base64 URI in it.
+///
+/// # Panics
+/// When the file is not of that kind.
+#[must_use]
+pub fn read_gltf(path: &Path) -> Vec<Part> {
+    let bytes = std::fs::read(path).expect("the file can be read");
+    let gltf = gltf::Gltf::from_slice_without_validation(&bytes).expect("the file is glTF");
+    let buffer = gltf.buffers().next().expect("the file has a buffer");
+    let gltf::buffer::Source::Uri(uri) = buffer.source() else { panic!("{} has no URI", path.display()) };
+    let blob = match uri.split_once(";base64,") {
+        Some((_, text)) => base64::engine::general_purpose::STANDARD.decode(text).expect("the URI is base64"),
+        None => std::fs::read(path.with_file_name(uri)).expect("the buffer lies beside the file"),
+    };
+    read_parts(&gltf, Some(&blob))
+}
+
+fn read_parts(gltf: &gltf::Gltf, blob: Option<&[u8]>) -> Vec<Part> {
     let mut parts = Vec::new();
     for mesh in gltf.meshes() {
         let triangles = mesh.primitives().filter(|primitive| primitive.mode() == gltf::mesh::Mode::Triangles);

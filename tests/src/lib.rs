@@ -6,8 +6,10 @@
 pub mod cli;
 pub mod corpus;
 pub mod data;
+pub mod device;
 pub mod glb;
 pub mod golden;
 pub mod invariants;
 pub mod maps;
 pub mod meshes;
+pub mod surfaces;

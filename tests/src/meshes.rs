@@ -150,17 +150,26 @@ impl TestMesh {
         self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 
-    /// The same mesh with its triangles in another order and other first corners; windings stay.
+    /// The same mesh with its triangles and its vertices in another order; each triangle keeps its corners.
     #[must_use]
     pub fn permuted(&self, seed: u64) -> Self {
-        use rand::{Rng as _, SeedableRng as _, seq::SliceRandom as _};
+        use rand::{SeedableRng as _, seq::SliceRandom as _};
         let mut random = rand::rngs::StdRng::seed_from_u64(seed);
-        let mut mesh = self.clone();
-        mesh.triangles.shuffle(&mut random);
-        for triangle in &mut mesh.triangles {
-            triangle.rotate_left(random.random_range(0..3));
+        let mut old_of_new: Vec<u32> = (0..self.positions.len() as u32).collect();
+        old_of_new.shuffle(&mut random);
+        let mut new_of_old = vec![0; old_of_new.len()];
+        for (new, &old) in old_of_new.iter().enumerate() {
+            new_of_old[old as usize] = new as u32;
         }
-        mesh
+        let mut triangles: Vec<[u32; 3]> = self.triangles.iter().map(|t| t.map(|i| new_of_old[i as usize])).collect();
+        triangles.shuffle(&mut random);
+        Self {
+            name: self.name,
+            positions: old_of_new.iter().map(|&i| self.positions[i as usize]).collect(),
+            normals: old_of_new.iter().map(|&i| self.normals[i as usize]).collect(),
+            uvs: old_of_new.iter().map(|&i| self.uvs[i as usize]).collect(),
+            triangles,
+        }
     }
 }
 

@@ -1,0 +1,106 @@
+//! From a test mesh and a detail to a displaced surface, through the domain and an executor alone.
+
+use std::sync::Arc;
+
+use displace_server::{
+    domain::{
+        cancel::{Cancel, NoProgress},
+        detail::{Detail, Layer, LayerSource, Map, Sampling, Wrap},
+        expression::Program,
+        mesh::Mesh,
+        plan::SurfacePlan,
+        request::{Geometry, Normals, SeamRule},
+        surface::Surface,
+        weld::{PrimitiveInput, VertexAttribute, weld, with_tangents},
+    },
+    render::{Executor, JobContext},
+};
+
+use crate::{maps, meshes::TestMesh};
+
+/// Uniform subdivision to `level`, everything else as the service defaults it.
+#[must_use]
+pub fn uniform(level: u32) -> Geometry {
+    Geometry {
+        uniform_level: level,
+        max_triangles: None,
+        normals: Normals::Analytic,
+        seams: SeamRule::Mean,
+        feather_texels: 3.0,
+    }
+}
+
+impl TestMesh {
+    /// The welded base mesh with tangents, as a loaded file gives it.
+    ///
+    /// # Panics
+    /// When the mesh cannot be welded: a test mesh is sound.
+    #[must_use]
+    pub fn to_mesh(&self) -> Mesh {
+        let uvs = VertexAttribute {
+            semantic: "TEXCOORD_0".into(),
+            components: 2,
+            values: self.uvs.iter().flatten().copied().collect(),
+        };
+        let primitive = PrimitiveInput {
+            positions: self.positions.clone(),
+            normals: Some(self.normals.clone()),
+            attributes: vec![uvs],
+            triangles: self.triangles.clone(),
+            ..PrimitiveInput::default()
+        };
+        let mesh = weld(self.name, &[primitive]).expect("a test mesh welds");
+        with_tangents(&mesh, 0).expect("a test mesh has tangents")
+    }
+}
+
+/// A detail of one layer.
+#[must_use]
+pub fn detail(source: LayerSource, scale: f32) -> Arc<Detail> {
+    let map_from_uv = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    Arc::new(Detail { layers: vec![Layer { source, scale, midlevel: 0.0, map_from_uv }], uv_set: 0 })
+}
+
+/// A height map of white noise, square, at 16 bits.
+#[must_use]
+pub fn noise_height(size: u32, seed: u32) -> LayerSource {
+    let at = |i: u32| f64::from(maps::hash(i % size, i / size, seed) >> 16) / 65535.0;
+    height(size, (0..size * size).map(|i| at(i) as f32).collect())
+}
+
+#[must_use]
+pub fn constant_height(value: f32) -> LayerSource {
+    height(4, vec![value; 16])
+}
+
+fn height(size: u32, texels: Vec<f32>) -> LayerSource {
+    LayerSource::Height(Arc::new(Map {
+        width: size,
+        height: size,
+        channels: 1,
+        texels,
+        wrap: [Wrap::Repeat; 2],
+        sampling: Sampling::Center,
+        source_bits: 16,
+    }))
+}
+
+/// # Panics
+/// When the expression does not parse.
+#[must_use]
+pub fn expression(source: &str) -> LayerSource {
+    LayerSource::Expression(Arc::new(Program::parse(source).expect("a test's expression parses")))
+}
+
+/// Displaces every primitive of `mesh` by the same detail.
+///
+/// # Panics
+/// When the plan or the execution fails.
+#[must_use]
+pub fn displace(executor: &dyn Executor, mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry) -> Surface {
+    let plan = SurfacePlan::uniform(0, mesh, geometry).expect("a test's plan fits");
+    let details = vec![Some(Arc::clone(detail)); mesh.primitives.len()];
+    let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+    let (surface, _) = executor.displace(&job, &plan, mesh, &details).expect("a test's surface can be made");
+    surface
+}
