@@ -1,4 +1,5 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 // Fills a stream of 32-bit words with one value.
 #include "common.glsl"
 #include "pages.glsl"
@@ -12,9 +13,8 @@ layout(push_constant, scalar) uniform Params {
 
 PAGED(0, writeonly, uint, words);
 
-void main() {
-    uint i = thread_index();
-    if (i < params.count) {
-        STORE(words, i, params.value);
-    }
+void element(uint i) {
+    STORE(words, i, params.value);
 }
+
+#include "batch.glsl"

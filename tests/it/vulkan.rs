@@ -124,6 +124,23 @@ fn fills_and_dispatches_see_each_others_results() {
 }
 
 #[test]
+fn threads_may_handle_several_elements() {
+    for batch in [1, 3, 8] {
+        let device = validated(Testing { batch: Some(batch), ..Default::default() });
+        for count in [1u32, 64, 511, 512, 513, 4096 * 64 * 3 + 5] {
+            let words = Stream::from_slice(&device, "words", &vec![7u32; count as usize + 9]).expect("fits");
+            let mut recorder = device.recorder(&Never, &NoProgress);
+            let params = FillParams { count, value: 8 };
+            recorder.dispatch(&SHADERS.fill, u64::from(count), &params, &[("words", &words)]).expect("dispatches");
+            recorder.finish().expect("runs");
+            let found: Vec<u32> = words.read().expect("reads");
+            let (written, rest) = found.split_at(count as usize);
+            assert!(written.iter().all(|word| *word == 8) && *rest == [7; 9], "{count} by {batch}");
+        }
+    }
+}
+
+#[test]
 fn what_is_dropped_after_recording_is_kept_until_it_has_run() {
     let device = validated(Testing::default());
     let kept = Stream::new(&device, "kept", 4, 64).expect("fits");

@@ -314,3 +314,21 @@ fn query_pool(raw: &Arc<Raw>) -> Result<QueryPool> {
     let handle = unsafe { raw.device.create_query_pool(&info, None) }.map_err(failed("creating a query pool"))?;
     Ok(QueryPool::new(raw, handle))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vulkan::{Device, DeviceOptions, memory::Place};
+
+    #[test]
+    fn a_missing_barrier_fails_the_submission_when_validation_is_on() {
+        let device = Device::open(&DeviceOptions { validation: true, ..Default::default() }).expect("a device");
+        let buffer = Buffer::new(device.memory(), "racy", Place::Device, 64).expect("fits");
+        let mut batch = device.take_batch().expect("made");
+        batch.fill(&buffer, 1);
+        batch.fill(&buffer, 2);
+        let error = batch.run(device.timeline()).expect_err("is a hazard");
+        assert!(error.message.contains("SYNC-HAZARD-WRITE"), "{error}");
+        assert!(!device.validation_messages().is_empty());
+    }
+}

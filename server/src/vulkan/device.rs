@@ -14,7 +14,7 @@ use super::{
     raw::{Raw, Timeline},
     recorder::{CancelSignal, PassObserver, Recorder},
     schedule::Rates,
-    select::{self, Candidate, DeviceInfo},
+    select::{self, Candidate, DeviceInfo, DeviceKind},
     self_test,
     stream::PAGE_SHIFT,
 };
@@ -52,6 +52,8 @@ pub struct Testing {
     pub force_staging: bool,
     /// Elements of a page, as a power of two; 22 if not set.
     pub page_shift: Option<u32>,
+    /// Elements a thread handles where the pass allows for several; by the kind of device if not set.
+    pub batch: Option<u32>,
 }
 
 /// Fields drop in order: what lies in memory before the memory, everything before the device.
@@ -152,9 +154,10 @@ impl Device {
         let file = options.cache_dir.as_deref();
         let file = file.map(|folder| cache_file::path(folder, "pipelines", &[candidate.identity.as_bytes()]));
         let page_shift = options.testing.page_shift.unwrap_or(PAGE_SHIFT).clamp(1, PAGE_SHIFT);
+        let batch = options.testing.batch.unwrap_or_else(|| batch(candidate.info.kind)).max(1);
         let device = Self {
             info: candidate.info.clone(),
-            pipelines: Pipelines::new(&raw, file, page_shift)?,
+            pipelines: Pipelines::new(&raw, file, page_shift, batch)?,
             timeline: Timeline::new(&raw)?,
             batches: Mutex::default(),
             staging: Mutex::default(),
@@ -264,6 +267,12 @@ impl Device {
         }
         Ok(())
     }
+}
+
+/// Elements a thread handles in the passes that allow for several. Software devices start a thread in the
+/// time of a short element, GPUs want many threads.
+fn batch(kind: DeviceKind) -> u32 {
+    if kind == DeviceKind::Cpu { 8 } else { 1 }
 }
 
 /// Parts of a range that fit staging memory and hold whole elements.

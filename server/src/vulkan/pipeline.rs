@@ -23,12 +23,17 @@ use super::{
 
 const ENTRY_POINT: &CStr = c"main";
 
+/// Specialisation constant of `batch.glsl`.
+const BATCH_CONSTANT: u32 = 2;
+
 /// A pipeline specialised for streams of one page, or of several.
 pub(crate) struct Pipeline {
     pub(crate) shader: &'static ComputeShader,
     pub(crate) handle: PipelineHandle,
     pub(crate) layout: PipelineLayout,
     pub(crate) set_layout: DescriptorSetLayout,
+    /// Elements a thread handles.
+    pub(crate) batch: u32,
     /// Set once it has run: software drivers compile at the first dispatch.
     warm: AtomicBool,
 }
@@ -51,15 +56,16 @@ impl Pipeline {
         raw: &Arc<Raw>,
         cache: &PipelineCacheHandle,
         shader: &'static ComputeShader,
-        constants: [u32; 2],
+        constants: [u32; 3],
     ) -> Result<Self> {
         check_limits(raw, shader)?;
+        let batch = if has_constant(shader.words, BATCH_CONSTANT) { constants[BATCH_CONSTANT as usize] } else { 1 };
         let module = shader_module(raw, shader)?;
         let set_layout = set_layout(raw, shader)?;
         let layout = pipeline_layout(raw, shader, &set_layout)?;
         let handle = pipeline(raw, cache, &module, &layout, constants)?;
         raw.name(handle.handle, shader.name);
-        Ok(Self { shader, handle, layout, set_layout, warm: AtomicBool::new(false) })
+        Ok(Self { shader, handle, layout, set_layout, batch, warm: AtomicBool::new(false) })
     }
 }
 
@@ -81,6 +87,21 @@ fn check_limits(raw: &Raw, shader: &ComputeShader) -> Result<()> {
         )));
     }
     Ok(())
+}
+
+/// True if SPIR-V declares the specialisation constant `id`.
+fn has_constant(words: &[u32], id: u32) -> bool {
+    const OP_DECORATE: u32 = 71;
+    const SPEC_ID: u32 = 1;
+    let mut rest = words.get(5..).unwrap_or_default();
+    while let Some(first) = rest.first() {
+        let instruction = &rest[..(first >> 16).clamp(1, rest.len() as u32) as usize];
+        if first & 0xFFFF == OP_DECORATE && instruction.get(2..4) == Some(&[SPEC_ID, id]) {
+            return true;
+        }
+        rest = &rest[instruction.len()..];
+    }
+    false
 }
 
 fn shader_module(raw: &Arc<Raw>, shader: &ComputeShader) -> Result<ShaderModule> {
@@ -127,10 +148,10 @@ fn pipeline(
     cache: &PipelineCacheHandle,
     module: &ShaderModule,
     layout: &PipelineLayout,
-    constants: [u32; 2],
+    constants: [u32; 3],
 ) -> Result<PipelineHandle> {
     let entries =
-        [0, 1].map(|id| vk::SpecializationMapEntry::default().constant_id(id).offset(id * 4).size(size_of::<u32>()));
+        [0, 1, 2].map(|id| vk::SpecializationMapEntry::default().constant_id(id).offset(id * 4).size(size_of::<u32>()));
     let specialization = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::bytes_of(&constants));
     let stage = vk::PipelineShaderStageCreateInfo::default()
         .stage(vk::ShaderStageFlags::COMPUTE)
@@ -158,11 +179,12 @@ pub(crate) struct Pipelines {
     /// What the file holds, so that nothing is written that is there already.
     stored: Mutex<Vec<u8>>,
     page_shift: u32,
+    batch: u32,
     raw: Arc<Raw>,
 }
 
 impl Pipelines {
-    pub(crate) fn new(raw: &Arc<Raw>, file: Option<PathBuf>, page_shift: u32) -> Result<Self> {
+    pub(crate) fn new(raw: &Arc<Raw>, file: Option<PathBuf>, page_shift: u32, batch: u32) -> Result<Self> {
         let stored = file.as_deref().map(cache_file::read).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&stored);
         // SAFETY: drivers check the header of the data, and the file is ours, whole, and named after driver and device.
@@ -174,6 +196,7 @@ impl Pipelines {
             file,
             stored: Mutex::new(stored),
             page_shift,
+            batch,
             raw: raw.clone(),
         })
     }
@@ -184,7 +207,7 @@ impl Pipelines {
         if let Some(pipeline) = made.get(&(shader.name, paged)) {
             return Ok(pipeline.clone());
         }
-        let constants = [u32::from(paged), self.page_shift];
+        let constants = [u32::from(paged), self.page_shift, self.batch];
         let pipeline = Arc::new(Pipeline::new(&self.raw, &self.cache, shader, constants)?);
         made.insert((shader.name, paged), pipeline.clone());
         Ok(pipeline)
@@ -207,5 +230,19 @@ impl Drop for Pipelines {
         if !self.raw.is_abandoned() {
             self.save();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use displace_glsl::SHADERS;
+
+    use super::*;
+
+    #[test]
+    fn batched_shaders_are_known_by_their_constant() {
+        assert!(has_constant(SHADERS.fill.words, BATCH_CONSTANT));
+        assert!(!has_constant(SHADERS.selftest_groups.words, BATCH_CONSTANT));
+        assert!(!has_constant(&[], 0) && !has_constant(&[0; 9], 0));
     }
 }

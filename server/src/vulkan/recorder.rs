@@ -119,13 +119,13 @@ impl<'a> Recorder<'a> {
 
     fn run_in_pieces(&mut self, job: &Job<'_>) -> Result<()> {
         let name = job.pipeline.shader.name;
-        let groups = schedule::groups_of(job.threads);
+        let groups = schedule::groups_of(job.threads, job.pipeline.batch);
         let mut next = 0;
         while next < groups {
             let left_ns = SUBMISSION_NS - self.pending_ns;
             let take = self.device.rates().groups_within(name, left_ns).min(groups - next);
             let end = next + take;
-            let done = (end * schedule::GROUP_THREADS).min(job.threads);
+            let done = (end * schedule::GROUP_THREADS * u64::from(job.pipeline.batch)).min(job.threads);
             let bytes = if next == 0 { job.bytes } else { 0 };
             let batch = self.batch(job.pipeline.descriptors())?;
             batch.barrier();

@@ -14,8 +14,8 @@ pub(crate) const MAX_THREADS: u64 = 1 << 31;
 
 /// Computing time of one submission. Two of them and the time to notice stay under 250 ms.
 pub(crate) const SUBMISSION_NS: f64 = 60e6;
-/// Threads of the first piece of a shader nobody has measured.
-const FIRST_GROUPS: u64 = (1 << 14) / GROUP_THREADS;
+/// Groups of the first piece of a shader nobody has measured.
+const FIRST_GROUPS: u64 = 32;
 /// A piece has at most this many times the groups of the largest one measured: threads differ.
 const GROWTH: u64 = 16;
 
@@ -26,8 +26,9 @@ pub(crate) struct Piece {
     pub(crate) count: [u32; 2],
 }
 
-pub(crate) fn groups_of(threads: u64) -> u64 {
-    threads.div_ceil(GROUP_THREADS)
+/// Groups for `elements`, of which a thread handles `batch`.
+pub(crate) fn groups_of(elements: u64, batch: u32) -> u64 {
+    elements.div_ceil(GROUP_THREADS * u64::from(batch))
 }
 
 /// The boxes that make up groups `first..end`: the rest of a row, whole rows, the start of a row.
@@ -117,7 +118,7 @@ mod tests {
 
     #[test]
     fn pieces_respect_the_smallest_grid_every_device_allows() {
-        for piece in pieces(0, groups_of(MAX_THREADS)) {
+        for piece in pieces(0, groups_of(MAX_THREADS, 1)) {
             assert!(piece.count[0] <= 65_535 && piece.count[1] <= 65_535);
         }
     }
