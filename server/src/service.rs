@@ -196,6 +196,13 @@ impl InProcess {
     }
 }
 
+impl InProcess {
+    /// Cancels what runs and waits until the device is closed. Blocks.
+    pub fn stop(self) {
+        self.jobs.finish();
+    }
+}
+
 impl Drop for InProcess {
     fn drop(&mut self) {
         self.jobs.close();

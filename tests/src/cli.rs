@@ -19,7 +19,6 @@ pub struct Run {
 impl Run {
     /// # Panics
     /// When the command did not exit with 0; says what it printed.
-    #[must_use]
     pub fn expect_success(self) -> Self {
         assert_eq!(self.code, Some(0), "displace failed:\n{}{}", self.stdout, self.stderr);
         self

@@ -36,7 +36,7 @@ pub(super) fn start(
     limits: JobLimits,
     shared: Weak<Shared>,
     runtime: tokio::runtime::Handle,
-) -> Result<tokio::sync::oneshot::Receiver<Result<DeviceFacts>>> {
+) -> Result<(tokio::sync::oneshot::Receiver<Result<DeviceFacts>>, std::thread::JoinHandle<()>)> {
     let (opened, answer) = tokio::sync::oneshot::channel();
     let body = move || {
         let executor = match open() {
@@ -54,8 +54,8 @@ pub(super) fn start(
         }
     };
     let spawned = std::thread::Builder::new().name("device".into()).spawn(body);
-    spawned.map_err(|cause| Error::internal("cannot start the device's thread").with_cause(cause))?;
-    Ok(answer)
+    let thread = spawned.map_err(|cause| Error::internal("cannot start the device's thread").with_cause(cause))?;
+    Ok((answer, thread))
 }
 
 struct Owner {

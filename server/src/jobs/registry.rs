@@ -42,6 +42,7 @@ pub struct Jobs {
     shared: Arc<Shared>,
     device: DeviceFacts,
     options: JobOptions,
+    owner: Mutex<Option<std::thread::JoinHandle<()>>>,
 }
 
 /// What the handlers and the owner thread share.
@@ -78,10 +79,10 @@ impl Jobs {
             statistics: Statistics::default(),
         });
         let runtime = tokio::runtime::Handle::current();
-        let opened = owner::start(open, options.limits.clone(), Arc::downgrade(&shared), runtime)?;
+        let (opened, owner) = owner::start(open, options.limits.clone(), Arc::downgrade(&shared), runtime)?;
         let device =
             opened.await.map_err(|cause| Error::internal("the device's thread ended early").with_cause(cause))??;
-        Ok(Self { shared, device, options })
+        Ok(Self { shared, device, options, owner: Mutex::new(Some(owner)) })
     }
 
     #[must_use]
@@ -163,6 +164,19 @@ impl Jobs {
     pub fn abort(&self) {
         if let Some(job) = &lock(&self.shared.queue).running {
             job.cancel.cancel();
+        }
+    }
+}
+
+impl Jobs {
+    /// Closes, stops what runs, and waits until the device is closed: a driver must not be at work when the
+    /// process ends. Blocks.
+    pub fn finish(&self) {
+        self.close();
+        self.abort();
+        let owner = lock(&self.owner).take();
+        if owner.is_some_and(|owner| owner.join().is_err()) {
+            tracing::error!("the device's thread panicked");
         }
     }
 }

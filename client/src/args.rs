@@ -1,0 +1,243 @@
+//! What the user typed. Parsing looks at nothing outside the command line; what the flags mean, and the
+//! files they name, is the business of `options` and `commands`.
+
+mod camera;
+mod detail;
+mod geometry;
+mod look;
+pub(crate) mod values;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub(crate) use camera::CameraArgs;
+pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
+pub(crate) use geometry::{GeometryArgs, NormalsArg, SeamsArg};
+pub(crate) use look::LookArgs;
+
+const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
+
+const EXAMPLES: &str = "\
+Examples:
+  displace demo                                                     see what it does
+  displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
+  displace render wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.png
+  displace describe wall.glb                                        what a mesh holds
+  DISPLACE_SERVER=http://farm:7878 displace status                  use a server elsewhere
+
+Without --server the service runs inside this command.
+Exit codes: 0 done, 1 the job failed, 2 usage or bad input, 3 server unreachable or busy, 130 interrupted.";
+
+#[derive(Debug, Parser)]
+#[command(name = "displace", version = crate::version(), about = ABOUT, after_help = EXAMPLES, disable_version_flag = true, max_term_width = 110)]
+#[command(subcommand_required = true, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: Global,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// Flags that every command takes.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Global")]
+pub(crate) struct Global {
+    /// Use the server at this address, such as http://127.0.0.1:7878, instead of one in this process
+    #[arg(long, global = true, value_name = "URL", env = "DISPLACE_SERVER", hide_env_values = true)]
+    pub(crate) server: Option<String>,
+    /// Device of the service in this process: part of its name, its index, its UUID, or `reference` (f64 on the CPU)
+    #[arg(long, global = true, value_name = "NAME|INDEX|UUID|reference")]
+    pub(crate) device: Option<String>,
+    /// Write one JSON report to stdout
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Compute even if the result is stored
+    #[arg(long, global = true)]
+    pub(crate) fresh: bool,
+    /// Write nothing to stderr but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say more on stderr; -vv more still
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
+    /// Print version and build id
+    #[arg(short = 'V', long, action = clap::ArgAction::Version)]
+    version: Option<bool>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run everything on sample data: meshes, images and a page that shows them
+    Demo(DemoArgs),
+    /// Displace a mesh and write the geometry as GLB
+    Apply(Box<ApplyArgs>),
+    /// Displace a mesh and write an image of it
+    Render(Box<RenderArgs>),
+    /// Say what a mesh holds, and what is wrong with it
+    Describe(DescribeArgs),
+    /// Put, get, list and remove stored assets
+    #[command(subcommand)]
+    Assets(AssetsCommand),
+    /// List the methods the service has
+    Methods,
+    /// Show the server's device, limits, load and totals
+    Status,
+    /// Ask whether the server lives, or is ready for work
+    Health(HealthArgs),
+    /// Write a completion script for a shell to stdout
+    Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  displace demo --out demo && open demo/index.html")]
+pub(crate) struct DemoArgs {
+    /// Folder to write to; made when missing
+    #[arg(long, value_name = "DIR", default_value = "displace-demo")]
+    pub(crate) out: PathBuf,
+}
+
+/// How a detail is realised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// No detail: the base surface alone
+    Flat,
+    /// Vertices move along the surface's direction by a height
+    Displacement,
+    /// Vertices move by a vector
+    Vector,
+}
+
+const APPLY_EXAMPLES: &str = "\
+Examples:
+  displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
+  displace apply ball.obj --expr '0.02*sin(20*pi*u)' --uniform 5 -o out.glb
+  displace apply rock.gltf --direction dir.png --magnitude mag.png --scale 0.2 --uniform 6 -o out.glb
+  displace apply house.glb --material Roof --height tiles.png --scale 0.1 \\
+                           --material Wall --height bricks.png --scale 0.02 --uniform 5 -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --uniform 8 --dry-run --json";
+
+#[derive(Debug, Args)]
+#[command(after_help = APPLY_EXAMPLES)]
+pub(crate) struct ApplyArgs {
+    /// Mesh: .glb, .gltf, .obj or .ply
+    #[arg(value_name = "MESH")]
+    pub(crate) mesh: PathBuf,
+    #[command(flatten)]
+    pub(crate) detail: DetailArgs,
+    #[command(flatten)]
+    pub(crate) geometry: GeometryArgs,
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+    /// How the detail is realised [default: vector with vector maps, else displacement]
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub(crate) method: Option<MethodArg>,
+    /// Say triangles, bytes and time; compute nothing
+    #[arg(long, help_heading = "Output")]
+    pub(crate) dry_run: bool,
+    /// GLB to write
+    #[arg(short, long, value_name = "OUT.glb", required_unless_present = "dry_run", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// An image beside the colour image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AovArg {
+    /// Distance along the viewing axis, world units
+    Depth,
+    /// Shading normal, world space
+    Normal,
+    /// Position, world space
+    Position,
+    Uv,
+    /// Number of the triangle
+    Triangle,
+}
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  displace render model.glb -o flat.png
+  displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --orbit 30,20 -o out.png
+  displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --camera Main --size 1920x1080 -o out.png
+  displace render model.glb --aov depth,normal --eye 0,1,3 --look-at 0,0,0 --fov 40 -o layers.exr
+
+An EXR holds linear colour and every AOV as layers. Beside a PNG each AOV is written as NAME.AOV.png.";
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub(crate) struct RenderArgs {
+    /// Mesh: .glb, .gltf, .obj or .ply
+    #[arg(value_name = "MESH")]
+    pub(crate) mesh: PathBuf,
+    #[command(flatten)]
+    pub(crate) detail: DetailArgs,
+    #[command(flatten)]
+    pub(crate) geometry: GeometryArgs,
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    /// How the detail is realised [default: vector with vector maps, displacement with others, flat with none]
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub(crate) method: Option<MethodArg>,
+    /// More images: any of depth, normal, position, uv, triangle
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
+    pub(crate) aov: Vec<AovArg>,
+    /// Image to write: .png is sRGB, 8 bit; .exr is linear float
+    #[arg(short, long, value_name = "OUT.png|OUT.exr", help_heading = "Output")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  displace describe model.glb --json | jq .meshes")]
+pub(crate) struct DescribeArgs {
+    /// Mesh: .glb, .gltf, .obj or .ply
+    #[arg(value_name = "MESH")]
+    pub(crate) mesh: PathBuf,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum AssetsCommand {
+    /// Upload files and print their names, one a line
+    Put {
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Download an asset to a file, or to stdout with `-o -`
+    Get {
+        /// `HASH/SIZE` or `assets/sha256/HASH/SIZE`
+        #[arg(value_name = "NAME")]
+        name: String,
+        /// File to write; `-` is stdout
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
+    /// List the assets
+    Ls,
+    /// Remove assets
+    Rm {
+        /// `HASH/SIZE` or `assets/sha256/HASH/SIZE`
+        #[arg(required = true, value_name = "NAME")]
+        names: Vec<String>,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct HealthArgs {
+    /// `live`: the process answers; `ready`: it takes work
+    #[arg(value_enum, default_value = "ready")]
+    pub(crate) service: HealthService,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum HealthService {
+    Live,
+    Ready,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  displace completions bash > ~/.local/share/bash-completion/completions/displace")]
+pub(crate) struct CompletionsArgs {
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
+}

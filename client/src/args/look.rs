@@ -1,0 +1,21 @@
+//! LOOK: what the surface looks like.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values::{direction, unit_interval};
+
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Look")]
+pub(crate) struct LookArgs {
+    /// Base colour map, sRGB, for every material; apply writes it to the GLB
+    #[arg(long, value_name = "MAP")]
+    pub(crate) base_color: Option<PathBuf>,
+    /// Direction towards the light, world space [default: 1,1,1]
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    pub(crate) light: Option<[f32; 3]>,
+    /// Ambient light, linear, 0 to 1 [default: 0.2]
+    #[arg(long, value_name = "A", value_parser = unit_interval)]
+    pub(crate) ambient: Option<f32>,
+}

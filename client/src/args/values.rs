@@ -1,0 +1,149 @@
+//! Parsers of flag values. Each refusal says what was expected, so that clap's
+//! `invalid value 'x' for '--flag'` ends in the fix.
+
+use std::str::FromStr;
+
+/// A finite number.
+pub(crate) fn finite(text: &str) -> Result<f32, String> {
+    let value = f32::from_str(text).map_err(|_| "expected a number such as 0.05".to_owned())?;
+    if value.is_finite() { Ok(value) } else { Err("expected a finite number such as 0.05".to_owned()) }
+}
+
+/// A finite number of at least 0.
+pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
+    match finite(text)? {
+        value if value >= 0.0 => Ok(value),
+        _ => Err("allowed are 0 and above".to_owned()),
+    }
+}
+
+/// A share from 0 to 1.
+pub(crate) fn unit_interval(text: &str) -> Result<f32, String> {
+    match finite(text)? {
+        value if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("allowed are 0 to 1".to_owned()),
+    }
+}
+
+/// A vertical field of view in degrees.
+pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
+    match finite(text)? {
+        value if (1.0..=170.0).contains(&value) => Ok(value),
+        _ => Err("allowed are 1 to 170 degrees".to_owned()),
+    }
+}
+
+/// `X,Y,Z`.
+pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
+    let expected = || "expected three numbers X,Y,Z such as 0,1.5,3".to_owned();
+    let values = numbers(text).ok_or_else(expected)?;
+    values.try_into().map_err(|_| expected())
+}
+
+/// `X,Y,Z` with a length.
+pub(crate) fn direction(text: &str) -> Result<[f32; 3], String> {
+    let vector = point(text)?;
+    let largest = vector.iter().fold(0.0f32, |m, c| m.max(c.abs()));
+    if largest > 0.0 { Ok(vector) } else { Err("a direction needs a length; 0,0,0 has none".to_owned()) }
+}
+
+/// Azimuth and elevation in degrees, and perhaps a distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Orbit {
+    pub(crate) azimuth_degrees: f32,
+    pub(crate) elevation_degrees: f32,
+    pub(crate) distance: Option<f32>,
+}
+
+/// `AZ,EL[,DIST]`.
+pub(crate) fn orbit(text: &str) -> Result<Orbit, String> {
+    let expected = "expected AZ,EL or AZ,EL,DIST, degrees and world units, such as 30,20 or 30,20,4";
+    let values = numbers(text).ok_or(expected)?;
+    let (azimuth_degrees, elevation_degrees, distance) = match values[..] {
+        [azimuth, elevation] => (azimuth, elevation, None),
+        [azimuth, elevation, distance] => (azimuth, elevation, Some(distance)),
+        _ => return Err(expected.to_owned()),
+    };
+    if !(-90.0..=90.0).contains(&elevation_degrees) {
+        return Err(format!("elevation {elevation_degrees} is out of range; allowed are -90 to 90 degrees"));
+    }
+    if distance.is_some_and(|d| d <= 0.0) {
+        return Err("the distance must be above 0".to_owned());
+    }
+    Ok(Orbit { azimuth_degrees, elevation_degrees, distance })
+}
+
+fn numbers(text: &str) -> Option<Vec<f32>> {
+    text.split(',').map(|part| finite(part.trim()).ok()).collect()
+}
+
+/// `WxH` in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+pub(crate) fn size(text: &str) -> Result<Size, String> {
+    let expected = "expected WIDTHxHEIGHT in pixels, each 1 to 16384, such as 1280x720";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=16384).contains(side)).ok_or(expected);
+    Ok(Size { width: side(width)?, height: side(height)? })
+}
+
+/// Source of each component of a vector map: three of r, g, b, each once; upper case negates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Swizzle(pub(crate) [(u8, bool); 3]);
+
+pub(crate) fn swizzle(text: &str) -> Result<Swizzle, String> {
+    let expected = "expected r, g and b in any order, upper case to negate, such as rgb or rbG";
+    let mut axes = [(0, false); 3];
+    if text.len() != 3 {
+        return Err(expected.to_owned());
+    }
+    for (axis, letter) in axes.iter_mut().zip(text.chars()) {
+        let source = "rgb".find(letter.to_ascii_lowercase()).ok_or(expected)?;
+        *axis = (source as u8, letter.is_ascii_uppercase());
+    }
+    let mut sources = axes.map(|(source, _)| source);
+    sources.sort_unstable();
+    if sources == [0, 1, 2] { Ok(Swizzle(axes)) } else { Err(format!("{expected}: each once")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_orbit_has_two_or_three_numbers_in_range() {
+        assert_eq!(orbit("30,-20"), Ok(Orbit { azimuth_degrees: 30.0, elevation_degrees: -20.0, distance: None }));
+        assert_eq!(orbit("30, 20, 4").map(|o| o.distance), Ok(Some(4.0)));
+        for bad in ["30", "30,100", "30,20,0", "30,20,4,5", "a,b", "nan,0"] {
+            assert!(orbit(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_size_is_two_positive_numbers() {
+        assert_eq!(size("1280x720"), Ok(Size { width: 1280, height: 720 }));
+        for bad in ["1280", "0x5", "5x0", "-1x5", "99999x1", "x"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_swizzle_is_a_signed_permutation() {
+        assert_eq!(swizzle("rGb"), Ok(Swizzle([(0, false), (1, true), (2, false)])));
+        assert_eq!(swizzle("bgr"), Ok(Swizzle([(2, false), (1, false), (0, false)])));
+        for bad in ["rg", "rgbb", "rrb", "xyz", "ré"] {
+            assert!(swizzle(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        assert!(finite("nan").is_err() && finite("inf").is_err() && finite("").is_err());
+        assert!(direction("0,0,0").is_err() && point("1,2").is_err());
+        assert_eq!(point("-1,2,3.5"), Ok([-1.0, 2.0, 3.5]));
+    }
+}

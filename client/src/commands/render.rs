@@ -1,0 +1,117 @@
+//! `displace render`: an image of the displaced mesh, and further images of the same view.
+
+use std::path::{Path, PathBuf};
+
+use clap::ArgMatches;
+use displace_proto::v1::{ImageFormat, Output, RenderRequest};
+
+use super::{
+    Session,
+    surface::{Outcome, Surface, save},
+};
+use crate::{
+    args::{MethodArg, RenderArgs},
+    error::{Error, Result},
+    jobs::{self, Job},
+    options,
+    output::{Progress, Target, Terminal},
+    request,
+};
+
+pub(super) async fn run(
+    session: &Session,
+    args: &RenderArgs,
+    matches: &ArgMatches,
+    terminal: &mut Terminal<'_>,
+) -> Result<()> {
+    perform(session, args, matches, terminal.progress()).await?.tell(terminal)
+}
+
+pub(super) async fn perform(
+    session: &Session,
+    args: &RenderArgs,
+    matches: &ArgMatches,
+    progress: Progress,
+) -> Result<Outcome> {
+    let surface = surface(args, matches)?;
+    let format = format(&args.output)?;
+    refuse_repeated_aovs(args)?;
+    Target::new(&args.output)?;
+    let (surface, parcel) = surface.request(session).await?;
+    let message = RenderRequest {
+        surface: Some(surface),
+        views: vec![request::view(&args.camera)],
+        lighting: Some(request::lighting(&args.look)),
+        aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
+        format: format.into(),
+    };
+    let connection = session.connection().await?;
+    let mut result = jobs::run(connection, &Job::Render(message), &parcel.blobs, progress).await?;
+    let outputs = placed(std::mem::take(&mut result.outputs), &args.output)?;
+    let written = save(connection, &outputs, progress).await?;
+    Ok(Outcome::new(result, &parcel.notes, written))
+}
+
+fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
+    let groups = options::groups(&args.detail, matches)?;
+    // A level asks for a finer surface even where the details are those of the file.
+    let plain = if args.geometry.uniform.is_some() { MethodArg::Displacement } else { MethodArg::Flat };
+    let method = options::method(args.method, &groups, plain);
+    options::require_level(&args.geometry, method, "render")?;
+    Ok(Surface { mesh: args.mesh.clone(), groups, geometry: args.geometry.clone(), look: args.look.clone(), method })
+}
+
+fn format(path: &Path) -> Result<ImageFormat> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("png") => Ok(ImageFormat::Png),
+        Some("exr") => Ok(ImageFormat::Exr),
+        _ => {
+            let message = format!(
+                "{} does not say which format; end the name in .png (sRGB, 8 bit) or .exr (linear float)",
+                path.display()
+            );
+            Err(Error::usage("--output", message))
+        }
+    }
+}
+
+fn refuse_repeated_aovs(args: &RenderArgs) -> Result<()> {
+    let repeated = args.aov.iter().enumerate().any(|(index, aov)| args.aov[..index].contains(aov));
+    if repeated { Err(Error::usage("--aov", "--aov names an image twice; name each once")) } else { Ok(()) }
+}
+
+/// The colour image takes the name asked for; `out.png` puts depth beside it as `out.depth.png`.
+fn placed(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
+    outputs
+        .into_iter()
+        .map(|output| {
+            let stem = output.name.split('.').next().unwrap_or_default();
+            let target = Target::new(&if stem == "color" { path.to_owned() } else { beside(path, stem) })?;
+            Ok((output, target))
+        })
+        .collect()
+}
+
+fn beside(path: &Path, what: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{what}.{extension}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ending_says_the_format() {
+        assert_eq!(format(Path::new("a.PNG")), Ok(ImageFormat::Png));
+        assert_eq!(format(Path::new("a.exr")), Ok(ImageFormat::Exr));
+        assert_eq!(format(Path::new("a.jpg")).unwrap_err().field.as_deref(), Some("--output"));
+        assert!(format(Path::new("a")).is_err());
+    }
+
+    #[test]
+    fn further_images_lie_beside_the_first() {
+        assert_eq!(beside(Path::new("d/out.png"), "depth"), Path::new("d/out.depth.png"));
+    }
+}

@@ -1,0 +1,95 @@
+//! One job from call to result: shows its updates, calls again after a lost connection (the same request
+//! joins the same job), and uploads again what the server has let go meanwhile.
+
+use displace_proto::{
+    rpc,
+    v1::{DisplaceRequest, JobResult, JobUpdate, RenderRequest, job_update::Update},
+};
+use prost::Message as _;
+use tonic::{Code, Response, Status, Streaming};
+
+use crate::{
+    connection::{Attempts, Connection, STREAM_DEADLINE, failure, is_transient, missing_assets, request},
+    error::{Error, Result},
+    output::{Bar, Progress},
+    transfer::{Blob, upload},
+};
+
+/// Uploads made again before a server that keeps losing them is believed.
+const UPLOADS: u32 = 3;
+
+/// What can be asked for.
+#[derive(Clone, Debug)]
+pub(crate) enum Job {
+    Displace(DisplaceRequest),
+    Render(RenderRequest),
+}
+
+impl Job {
+    async fn call(&self, connection: &Connection) -> Result<Response<Streaming<JobUpdate>>, Status> {
+        let mut client = connection.displacement();
+        match self.clone() {
+            Self::Displace(message) => client.displace(request(message, STREAM_DEADLINE)).await,
+            Self::Render(message) => client.render(request(message, STREAM_DEADLINE)).await,
+        }
+    }
+}
+
+/// Uploads what the job names and runs it to its end.
+pub(crate) async fn run(connection: &Connection, job: &Job, blobs: &[Blob], progress: Progress) -> Result<JobResult> {
+    for _ in 0..UPLOADS {
+        upload(connection, blobs, &progress).await?;
+        match to_the_end(connection, job, progress).await? {
+            Outcome::Done(result) => return Ok(result),
+            Outcome::Missing(error) => tracing::debug!(%error, "uploading again"),
+        }
+    }
+    Err(Error::internal("the server lost uploaded assets three times; its store may be full: see `displace status`"))
+}
+
+enum Outcome {
+    Done(JobResult),
+    Missing(Error),
+}
+
+/// Calls, and calls again while the way to the server breaks.
+async fn to_the_end(connection: &Connection, job: &Job, progress: Progress) -> Result<Outcome> {
+    let mut attempts = Attempts::default();
+    let bar = progress.passes();
+    loop {
+        let status = match listen(connection, job, &bar, &mut attempts).await {
+            Ok(result) => return Ok(Outcome::Done(result)),
+            Err(status) => status,
+        };
+        if missing_assets(&status) {
+            return Ok(Outcome::Missing(failure(&status)));
+        }
+        match is_transient(&status) {
+            Some(asked) => attempts.pause_or(failure(&status), asked).await?,
+            None => return Err(failure(&status)),
+        }
+    }
+}
+
+async fn listen(connection: &Connection, job: &Job, bar: &Bar, attempts: &mut Attempts) -> Result<JobResult, Status> {
+    let mut updates = job.call(connection).await?.into_inner();
+    while let Some(JobUpdate { update }) = updates.message().await? {
+        match update {
+            Some(Update::Queued(queued)) => bar.queued(queued.position),
+            Some(Update::Progress(progress)) => {
+                attempts.reset();
+                bar.pass(&progress.pass, progress.done, progress.total);
+            }
+            // Warnings are in the report as well, and are told with it.
+            Some(Update::Warning(_)) | None => {}
+            Some(Update::Result(result)) => return Ok(result),
+            Some(Update::Error(status)) => return Err(status_of(&status)),
+        }
+    }
+    Err(Status::new(Code::Unavailable, "the server ended the job's updates without a result"))
+}
+
+/// The gRPC status that carries the same error, details included.
+pub(crate) fn status_of(status: &rpc::Status) -> Status {
+    Status::with_details(Code::from(status.code), status.message.clone(), status.encode_to_vec().into())
+}

@@ -1,0 +1,231 @@
+//! Requests from options: hashes the files that are named and fills in the messages of the API.
+
+use std::path::Path;
+
+use displace_proto::v1::{self, layer, view};
+
+use crate::{
+    args::{
+        AovArg, CameraArgs, ChannelArg, GeometryArgs, LookArgs, MethodArg, NormalsArg, PresetArg, SamplingArg,
+        SeamsArg, SpaceArg, WrapArg, values::Swizzle,
+    },
+    error::{Error, Result},
+    mesh_files::{self, MeshFiles},
+    options::{Layer, MaterialGroup, Modifiers, Source},
+    transfer::Blob,
+};
+
+/// Blobs to upload, gathered while a request is made.
+#[derive(Debug, Default)]
+pub(crate) struct Parcel {
+    pub(crate) blobs: Vec<Blob>,
+    /// What the user should know of conversions.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Parcel {
+    /// Adds a mesh and what it refers to. Blocks.
+    pub(crate) fn mesh(&mut self, path: &Path) -> Result<v1::MeshSource> {
+        let MeshFiles { mesh, resources, notes } = mesh_files::read(path)?;
+        self.notes.extend(notes);
+        let asset = Some(self.add(mesh));
+        let resources =
+            resources.into_iter().map(|(uri, blob)| v1::Resource { uri, asset: Some(self.add(blob)) }).collect();
+        Ok(v1::MeshSource { asset, resources })
+    }
+
+    fn add(&mut self, blob: Blob) -> v1::Digest {
+        let digest = blob.digest.clone();
+        self.blobs.push(blob);
+        digest
+    }
+
+    fn map_file(&mut self, flag: &str, path: &Path) -> Result<v1::Digest> {
+        let blob = Blob::of_file(path)
+            .map_err(|e| Error { message: format!("{}: {}", path.display(), e.message), ..e }.with_field(flag))?;
+        Ok(self.add(blob))
+    }
+
+    pub(crate) fn details(&mut self, groups: &[MaterialGroup]) -> Result<Vec<v1::MaterialDetail>> {
+        groups.iter().map(|group| self.detail(group)).collect()
+    }
+
+    fn detail(&mut self, group: &MaterialGroup) -> Result<v1::MaterialDetail> {
+        let layers = group.layers.iter().map(|layer| self.layer(layer)).collect::<Result<_>>()?;
+        Ok(v1::MaterialDetail { material: group.material.clone().unwrap_or_default(), layers, uv_set: group.uv_set })
+    }
+
+    fn layer(&mut self, layer: &Layer) -> Result<v1::Layer> {
+        let modifiers = &layer.modifiers;
+        Ok(v1::Layer {
+            source: Some(self.source(&layer.source, modifiers)?),
+            scale: modifiers.scale,
+            midlevel: modifiers.midlevel,
+            invert_height: modifiers.invert_height.unwrap_or_default(),
+            flip_v: modifiers.flip_v.unwrap_or_default(),
+            preset: match modifiers.preset {
+                None => v1::Preset::Unspecified,
+                Some(PresetArg::AsPrinted) => v1::Preset::AsPrinted,
+            }
+            .into(),
+        })
+    }
+
+    fn source(&mut self, source: &Source, modifiers: &Modifiers) -> Result<layer::Source> {
+        let space = space(modifiers.space).into();
+        let swizzle = modifiers.swizzle.map(swizzle_text).unwrap_or_default();
+        Ok(match source {
+            Source::Height(path) => layer::Source::Height(v1::HeightMap {
+                map: Some(self.map("--height", path, modifiers)?),
+                channel: channel(modifiers.channel).into(),
+            }),
+            Source::Vector(path) => layer::Source::Vector(v1::VectorMap {
+                map: Some(self.map("--vector", path, modifiers)?),
+                space,
+                swizzle,
+            }),
+            Source::DirectionMagnitude { direction, magnitude } => layer::Source::Direction(v1::DirectionMap {
+                direction: Some(self.map("--direction", direction, modifiers)?),
+                magnitude: Some(self.map("--magnitude", magnitude, modifiers)?),
+                space,
+                swizzle,
+            }),
+            Source::Expression(source) => layer::Source::Expression(v1::Expression { source: source.clone() }),
+        })
+    }
+
+    fn map(&mut self, flag: &str, path: &Path, modifiers: &Modifiers) -> Result<v1::MapSource> {
+        Ok(v1::MapSource {
+            asset: Some(self.map_file(flag, path)?),
+            wrap: wrap(modifiers.wrap).into(),
+            sampling: sampling(modifiers.sampling).into(),
+        })
+    }
+
+    pub(crate) fn look(&mut self, look: &LookArgs) -> Result<Option<v1::Look>> {
+        let Some(path) = &look.base_color else { return Ok(None) };
+        Ok(Some(v1::Look { base_color: Some(self.map_file("--base-color", path)?) }))
+    }
+}
+
+fn space(space: Option<SpaceArg>) -> v1::Space {
+    match space {
+        None => v1::Space::Unspecified,
+        Some(SpaceArg::Tangent) => v1::Space::Tangent,
+        Some(SpaceArg::Object) => v1::Space::Object,
+    }
+}
+
+fn channel(channel: Option<ChannelArg>) -> v1::Channel {
+    match channel {
+        None => v1::Channel::Unspecified,
+        Some(ChannelArg::R) => v1::Channel::R,
+        Some(ChannelArg::G) => v1::Channel::G,
+        Some(ChannelArg::B) => v1::Channel::B,
+        Some(ChannelArg::A) => v1::Channel::A,
+    }
+}
+
+fn wrap(wrap: Option<WrapArg>) -> v1::Wrap {
+    match wrap {
+        None => v1::Wrap::Unspecified,
+        Some(WrapArg::Repeat) => v1::Wrap::Repeat,
+        Some(WrapArg::Mirror) => v1::Wrap::Mirror,
+        Some(WrapArg::Clamp) => v1::Wrap::Clamp,
+    }
+}
+
+fn sampling(sampling: Option<SamplingArg>) -> v1::Sampling {
+    match sampling {
+        None => v1::Sampling::Unspecified,
+        Some(SamplingArg::Center) => v1::Sampling::Center,
+        Some(SamplingArg::Node) => v1::Sampling::Node,
+    }
+}
+
+fn swizzle_text(swizzle: Swizzle) -> String {
+    let letter = |(source, negative): (u8, bool)| {
+        let letter = ['r', 'g', 'b'][usize::from(source)];
+        if negative { letter.to_ascii_uppercase() } else { letter }
+    };
+    swizzle.0.map(letter).iter().collect()
+}
+
+pub(crate) fn method(method: MethodArg) -> v1::Method {
+    match method {
+        MethodArg::Flat => v1::Method::Flat,
+        MethodArg::Displacement => v1::Method::Displacement,
+        MethodArg::Vector => v1::Method::Vector,
+    }
+}
+
+/// Without a level, which only a flat render may lack, the mesh stays as it is: level 0.
+pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
+    v1::Geometry {
+        refinement: Some(v1::geometry::Refinement::UniformLevel(args.uniform.unwrap_or(0))),
+        max_triangles: args.max_triangles,
+        normals: match args.normals {
+            NormalsArg::Analytic => v1::Normals::Analytic,
+            NormalsArg::Geometric => v1::Normals::Geometric,
+        }
+        .into(),
+        seams: match args.seams {
+            SeamsArg::Mean => v1::SeamRule::Mean,
+            SeamsArg::Dominant => v1::SeamRule::Dominant,
+        }
+        .into(),
+        feather_texels: Some(args.feather),
+    }
+}
+
+pub(crate) fn view(args: &CameraArgs) -> v1::View {
+    let camera = match (&args.camera, args.eye.zip(args.look_at), args.orbit) {
+        (Some(name), ..) => Some(view::Camera::Named(name.clone())),
+        (None, Some((eye, target)), _) => Some(view::Camera::LookAt(v1::LookAt {
+            eye: eye.to_vec(),
+            target: target.to_vec(),
+            yfov_degrees: args.fov,
+        })),
+        (None, None, Some(orbit)) => Some(view::Camera::Orbit(v1::Orbit {
+            azimuth_degrees: orbit.azimuth_degrees,
+            elevation_degrees: orbit.elevation_degrees,
+            distance: orbit.distance,
+            yfov_degrees: args.fov,
+        })),
+        (None, None, None) => None,
+    };
+    v1::View { camera, width: args.size.width, height: args.size.height }
+}
+
+pub(crate) fn lighting(look: &LookArgs) -> v1::Lighting {
+    v1::Lighting { direction: look.light.map(|d| d.to_vec()).unwrap_or_default(), ambient: look.ambient }
+}
+
+pub(crate) fn aov(aov: AovArg) -> v1::Aov {
+    match aov {
+        AovArg::Depth => v1::Aov::Depth,
+        AovArg::Normal => v1::Aov::Normal,
+        AovArg::Position => v1::Aov::Position,
+        AovArg::Uv => v1::Aov::Uv,
+        AovArg::Triangle => v1::Aov::Triangle,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_swizzle_travels_as_it_was_typed() {
+        for text in ["rgb", "rGb", "BGR"] {
+            assert_eq!(crate::args::values::swizzle(text).map(swizzle_text).as_deref(), Ok(text));
+        }
+    }
+
+    #[test]
+    fn a_missing_map_is_told_with_its_flag() {
+        let error = Parcel::default().map_file("--height", Path::new("none.png")).unwrap_err();
+        assert_eq!(error.field.as_deref(), Some("--height"));
+        assert!(error.message.contains("none.png") && error.message.contains("no such file"), "{error}");
+    }
+}

@@ -1,0 +1,101 @@
+//! The command line: exit codes, JSON shapes, files replaced whole, conversion, groups of materials.
+//!
+//! Most run through the library's entry against one server on the reference device; a few run the real
+//! command, with the service inside it.
+
+mod conversion;
+mod jobs;
+mod process;
+mod store;
+mod usage;
+
+use std::{path::PathBuf, sync::OnceLock};
+
+use displace_server::{
+    config::Config,
+    service::{Parts, Service},
+};
+use displace_tests::cli::Run;
+
+/// The address of a server on the reference device, started once for all tests of this process.
+fn server() -> &'static str {
+    static URL: OnceLock<String> = OnceLock::new();
+    URL.get_or_init(|| {
+        let (started, address) = std::sync::mpsc::channel();
+        std::thread::spawn(move || serve(&started));
+        address.recv().expect("the server starts")
+    })
+}
+
+fn serve(started: &std::sync::mpsc::Sender<String>) {
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    runtime.block_on(async {
+        let config = Config {
+            listen: "127.0.0.1:0".parse().expect("an address"),
+            store: folder.path().join("store"),
+            cache: folder.path().join("cache"),
+            device: "reference".into(),
+            ..Config::default()
+        };
+        let parts = Parts::standard(&config);
+        let bound = Service::start(config, parts).await.expect("a service").bind().await.expect("a port");
+        started.send(format!("http://{}", bound.address)).expect("a test waits");
+        bound.run(std::future::pending()).await.expect("the server runs");
+    });
+}
+
+/// Runs a command line through the library, without a server.
+fn displace<S: AsRef<str>>(args: &[S]) -> Run {
+    let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+    let words = std::iter::once("displace").chain(args.iter().map(AsRef::as_ref));
+    let code = displace_client::run(words, &mut stdout, &mut stderr);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
+    Run { code: Some(code.into()), stdout: text(stdout), stderr: text(stderr) }
+}
+
+/// The same, against the shared server.
+fn remote<S: AsRef<str>>(args: &[S]) -> Run {
+    let mut all: Vec<&str> = args.iter().map(AsRef::as_ref).collect();
+    all.extend(["--server", server()]);
+    displace(&all)
+}
+
+/// The same, with a JSON report.
+fn report<S: AsRef<str>>(args: &[S]) -> serde_json::Value {
+    let mut all: Vec<&str> = args.iter().map(AsRef::as_ref).collect();
+    all.push("--json");
+    remote(&all).expect_success().json()
+}
+
+fn keys(value: &serde_json::Value) -> Vec<&str> {
+    value.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+/// A temporary folder with files.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().expect("temporary folders are UTF-8").to_owned()
+    }
+
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        let path = PathBuf::from(self.path(name));
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("the folder can be made");
+        std::fs::write(&path, content).expect("the file can be written");
+        self.path(name)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.0.path()).expect("the folder can be read");
+        let mut names: Vec<_> =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}

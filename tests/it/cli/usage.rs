@@ -1,0 +1,108 @@
+//! What is refused before anything is sent, and what needs no server.
+
+use displace_tests::data::sample;
+
+use super::displace;
+
+fn refused(flags: &str, field: &str, parts: &[&str]) {
+    let mesh = sample("models/torus.gltf");
+    let mut args: Vec<String> = flags.split_whitespace().map(str::to_owned).collect();
+    if let Some(place) = args.iter().position(|word| word == "MESH") {
+        args[place] = mesh.to_string_lossy().into_owned();
+    }
+    args.push("--json".into());
+    let run = displace(&args);
+    assert_eq!(run.code, Some(2), "{flags}: {run:?}");
+    let error = &run.json()["error"];
+    assert_eq!(error["field"], field, "{flags}: {run:?}");
+    assert!(matches!(error["kind"].as_str(), Some("usage" | "invalid_input")), "{run:?}");
+    for part in parts {
+        assert!(run.stderr.contains(part), "{flags}: '{part}' is not in {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_refusal_names_flag_value_range_and_fix() {
+    refused("apply MESH -o o.glb --uniform 13", "--uniform", &["13", "0..=12"]);
+    refused("apply MESH -o o.glb --uniform x", "--uniform", &["'x'"]);
+    refused("apply MESH -o o.glb --uniform 1 --feather -1", "--feather", &["-1", "0 and above"]);
+    refused("apply MESH -o o.glb --uniform 1 --max-triangles 0", "--max-triangles", &["0"]);
+    refused("apply MESH -o o.glb --expr u --scale nan --uniform 1", "--scale", &["nan", "finite"]);
+    refused("apply MESH -o o.glb --vector v.exr --swizzle rrb --uniform 1", "--swizzle", &["rrb", "rgb"]);
+    refused("render MESH -o o.png --size 0x10", "--size", &["0x10", "1280x720"]);
+    refused("render MESH -o o.png --fov 200 --orbit 1,2", "--fov", &["200", "1 to 170"]);
+    refused("render MESH -o o.png --orbit 1,91", "--orbit", &["91", "-90 to 90"]);
+    refused("render MESH -o o.png --light 0,0,0", "--light", &["0,0,0"]);
+    refused("render MESH -o o.png --ambient 2", "--ambient", &["2", "0 to 1"]);
+    refused("render MESH -o o.jpg", "--output", &[".png", ".exr"]);
+    refused("render MESH -o o.png --aov depth,depth", "--aov", &["once"]);
+}
+
+#[test]
+fn moving_vertices_needs_a_level() {
+    refused("apply MESH -o o.glb --expr u", "--uniform", &["--uniform LEVEL is missing", "0 to 12"]);
+    refused("apply MESH -o o.glb", "--uniform", &["--uniform 5"]);
+    refused("render MESH -o o.png --expr u", "--uniform", &["--uniform LEVEL is missing"]);
+    refused("render MESH -o o.png --method displacement", "--uniform", &[]);
+}
+
+#[test]
+fn contradictions_in_detail_are_refused() {
+    refused("apply MESH -o o.glb --uniform 1 --direction d.png", "--magnitude", &["--direction MAP needs --magnitude"]);
+    refused("apply MESH -o o.glb --uniform 1 --scale 2", "--scale", &["no map to belong to"]);
+    refused("apply MESH -o o.glb --uniform 1 --expr u --channel g", "--channel", &["belongs after --height"]);
+    refused("apply MESH -o o.glb --uniform 1 --material A", "--material", &["without a map"]);
+}
+
+#[test]
+fn files_that_are_not_there_are_named() {
+    refused("apply none.glb -o o.glb --uniform 1", "none.glb", &["no such file"]);
+    refused("apply MESH -o o.glb --uniform 1 --height none.png", "--height", &["none.png", "no such file"]);
+    refused("apply MESH -o none/o.glb --uniform 1", "--output", &["no folder"]);
+    refused("apply MESH -o / --uniform 1", "--output", &["is a folder"]);
+    refused("describe MESH --server https://h:1", "--server", &["TLS"]);
+    refused("describe MESH --server http://127.0.0.1:1 --device x", "--device", &["leave out"]);
+    refused("assets get xyz -o o", "NAME", &["xyz", "HASH/SIZE"]);
+}
+
+#[test]
+fn flags_of_later_versions_do_not_exist() {
+    for flag in
+        ["--tolerance", "--tolerance-px", "--base", "--lods", "--normal", "--steps", "--supersample", "--flip-green"]
+    {
+        let run = displace(&["apply", "m.glb", "-o", "o.glb", flag, "1"]);
+        assert_eq!(run.code, Some(2), "{flag}");
+        assert!(run.stderr.contains("unexpected argument"), "{flag}: {}", run.stderr);
+    }
+    for command in ["measure", "compare", "chart", "bake", "unwrap", "batch"] {
+        assert_eq!(displace(&[command]).code, Some(2), "{command}");
+    }
+}
+
+#[test]
+fn help_and_version_go_to_standard_output() {
+    for args in [&["--help"][..], &["apply", "--help"], &["render", "-h"], &["assets", "put", "--help"], &["--version"]]
+    {
+        let run = displace(args);
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{args:?}");
+        assert!(!run.stdout.is_empty(), "{args:?}");
+    }
+    let version = displace(&["--version"]).stdout;
+    assert_eq!(version.trim(), format!("displace {}", displace_server::BUILD_ID));
+    assert!(displace(&["apply", "--help"]).stdout.contains("Examples:"));
+}
+
+#[test]
+fn completions_know_the_flags() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let run = displace(&["completions", shell]).expect_success();
+        assert!(run.stdout.contains("uniform"), "{shell}");
+    }
+}
+
+#[test]
+fn a_server_that_is_not_there_is_code_3() {
+    let run = displace(&["status", "--json", "--server", "http://127.0.0.1:1"]);
+    assert_eq!((run.code, run.json()["error"]["kind"].as_str()), (Some(3), Some("unavailable")));
+    assert!(run.stderr.contains("127.0.0.1:1"), "{}", run.stderr);
+}
