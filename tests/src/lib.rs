@@ -12,4 +12,5 @@ pub mod golden;
 pub mod invariants;
 pub mod maps;
 pub mod meshes;
+pub mod server;
 pub mod surfaces;
