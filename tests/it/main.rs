@@ -2,6 +2,7 @@
 mod cli;
 mod corpus;
 mod determinism;
+mod service;
 mod tidy;
 mod vulkan;
 mod watertight;
