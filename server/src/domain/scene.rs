@@ -1,5 +1,7 @@
 //! A loaded glTF asset: base meshes, instances, materials and cameras, and the document to write back.
 
+use bytes::Bytes;
+
 use super::{mesh::Mesh, report::Warning};
 
 /// A glTF asset ready for work. `document` and `buffers` keep everything, understood or not, so that
@@ -9,7 +11,7 @@ pub struct Scene {
     /// The whole glTF JSON.
     pub document: serde_json::Value,
     /// The bytes of each glTF buffer.
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Vec<Bytes>,
     /// One per glTF mesh that has triangles.
     pub meshes: Vec<SceneMesh>,
     /// Uses of `meshes` by nodes of the default scene.
@@ -45,6 +47,8 @@ pub struct Material {
     pub base_color_factor: [f32; 4],
     pub base_color: Option<TextureUse>,
     pub has_normal_map: bool,
+    /// TEXCOORD_n of the normal map.
+    pub normal_uv_set: u32,
     pub double_sided: bool,
     /// Cut-off of alpha mode MASK.
     pub alpha_cutoff: Option<f32>,
@@ -74,7 +78,7 @@ pub struct TextureUse {
 #[derive(Clone, Debug, Default)]
 pub struct SceneImage {
     pub media_type: String,
-    pub bytes: Option<Vec<u8>>,
+    pub bytes: Option<Bytes>,
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -10,6 +10,8 @@ mod places;
 mod tangents;
 mod wedges;
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::{
@@ -78,16 +80,45 @@ fn canonical_bits(value: f32) -> u32 {
 fn check(name: &str, primitives: &[PrimitiveInput]) -> Result<()> {
     // Corners are numbered triangle * 3 + corner in u32 throughout.
     const LIMIT: usize = u32::MAX as usize;
+    const PRIMITIVE_LIMIT: usize = 1 << 16;
     let triangles: usize = primitives.iter().map(|p| p.triangles.len()).sum();
     let vertices: usize = primitives.iter().map(|p| p.positions.len()).sum();
-    if triangles > LIMIT / 3 || vertices > LIMIT || primitives.len() > LIMIT {
+    if triangles > LIMIT / 3 || vertices > LIMIT || primitives.len() > PRIMITIVE_LIMIT {
         let message = format!(
             "{triangles} triangles and {vertices} vertices; at most {} triangles and {LIMIT} vertices fit one mesh: split it",
             LIMIT / 3
         );
         return Err(Error::too_large(format!("mesh '{name}'"), message));
     }
+    check_attributes(name, primitives)?;
     primitives.iter().try_for_each(|p| check_primitive(name, p))
+}
+
+/// Bytes of the attribute rows of one mesh.
+const ROW_BYTES_LIMIT: u64 = 8 << 30;
+/// Distinct attributes and morph target parts of one mesh.
+const ATTRIBUTE_LIMIT: usize = 4096;
+
+/// Every vertex gets a row of all attributes that any primitive has: few vertices with many attributes
+/// beside many vertices with few would take memory out of all proportion.
+fn check_attributes(name: &str, primitives: &[PrimitiveInput]) -> Result<()> {
+    let field = format!("mesh '{name}'");
+    let names: HashMap<&str, usize> =
+        primitives.iter().flat_map(|p| &p.attributes).map(|a| (a.semantic.as_str(), a.components)).collect();
+    if names.len() > ATTRIBUTE_LIMIT {
+        let message =
+            format!("has {} attributes and morph target parts; at most {ATTRIBUTE_LIMIT} are read", names.len());
+        return Err(Error::too_large(field, message));
+    }
+    let rows = primitives.iter().map(|p| if p.normals.is_some() { p.positions.len() } else { p.triangles.len() * 3 });
+    let words = looks::FIXED_WORDS + names.values().sum::<usize>();
+    let bytes = rows.sum::<usize>() as u64 * words as u64 * 4;
+    if bytes > ROW_BYTES_LIMIT {
+        let message =
+            format!("its attributes take {bytes} bytes; at most {ROW_BYTES_LIMIT} are allowed: split the mesh");
+        return Err(Error::too_large(field, message));
+    }
+    Ok(())
 }
 
 fn check_primitive(name: &str, primitive: &PrimitiveInput) -> Result<()> {

@@ -1,10 +1,10 @@
 //! Attribute vertices: wedges of one primitive with equal place and equal attribute bits are one.
 
-use std::ops::Range;
+use std::{collections::HashMap, ops::Range};
 
 use rayon::prelude::*;
 
-use super::{PrimitiveInput, canonical_bits, tangents::repaired_tangent, wedges::Wedges};
+use super::{PrimitiveInput, VertexAttribute, canonical_bits, tangents::repaired_tangent, wedges::Wedges};
 use crate::domain::mesh::Attribute;
 
 pub(super) struct Looks {
@@ -36,25 +36,26 @@ pub(super) fn weld(primitives: &[PrimitiveInput], wedges: &[Wedges]) -> Looks {
 }
 
 /// Every semantic that any primitive has, in the order of [`order`], with the most components it has.
-fn union(primitives: &[PrimitiveInput]) -> Vec<Attribute> {
+pub(super) fn union(primitives: &[PrimitiveInput]) -> Vec<Attribute> {
+    let mut index_of = HashMap::<&str, usize>::new();
     let mut attributes: Vec<Attribute> = Vec::new();
     for (p, attribute) in
         primitives.iter().enumerate().flat_map(|(p, input)| input.attributes.iter().map(move |a| (p, a)))
     {
-        let known = attributes.iter().position(|a| a.semantic == attribute.semantic).unwrap_or_else(|| {
-            let primitives = vec![false; primitives.len()];
+        let known = *index_of.entry(&attribute.semantic).or_insert_with(|| {
+            let semantic = attribute.semantic.clone();
             attributes.push(Attribute {
-                semantic: attribute.semantic.clone(),
+                semantic,
                 components: 0,
                 values: Vec::new(),
-                primitives,
+                primitives: vec![false; primitives.len()],
             });
             attributes.len() - 1
         });
         attributes[known].components = attributes[known].components.max(attribute.components);
         attributes[known].primitives[p] = true;
     }
-    attributes.sort_by_key(|a| order(&a.semantic));
+    attributes.sort_by_cached_key(|a| order(&a.semantic));
     attributes
 }
 
@@ -110,11 +111,11 @@ impl Part {
 }
 
 /// Words of normal and tangent at the start of a row.
-const FIXED_WORDS: usize = 7;
+pub(super) const FIXED_WORDS: usize = 7;
 
 fn rows(input: &PrimitiveInput, wedges: &Wedges, attributes: &[Attribute]) -> (Vec<u32>, usize) {
-    let of_union: Vec<_> =
-        attributes.iter().map(|a| (a, input.attributes.iter().find(|own| own.semantic == a.semantic))).collect();
+    let own: HashMap<&str, &VertexAttribute> = input.attributes.iter().map(|a| (a.semantic.as_str(), a)).collect();
+    let of_union: Vec<_> = attributes.iter().map(|a| (a, own.get(a.semantic.as_str()))).collect();
     let row_words = FIXED_WORDS + attributes.iter().map(|a| a.components).sum::<usize>();
     let mut rows = vec![0u32; row_words * wedges.gv.len()];
     rows.par_chunks_mut(row_words).enumerate().for_each(|(wedge, row)| {

@@ -1,0 +1,240 @@
+//! Editing the document: what refers to accessors and buffer views, what is kept, what is renumbered.
+
+use std::collections::HashSet;
+
+use serde_json::{Map, Value};
+
+use super::pack::Builder;
+use crate::domain::{
+    Error, Result,
+    gltf::extensions::{is_compression, refers_to_no_data},
+    scene::Scene,
+};
+
+/// Which accessors and buffer views of the file are still referred to.
+pub(super) struct Kept {
+    accessors: Vec<bool>,
+    views: Vec<bool>,
+}
+
+impl Kept {
+    /// Call when the displaced primitives refer to nothing any more. An extension nobody here knows may
+    /// refer to anything: then everything is kept, under its old number.
+    pub(super) fn of(document: &mut Value) -> Self {
+        let count = |document: &Value, key: &str| document.get(key).and_then(Value::as_array).map_or(0, Vec::len);
+        let all = !names(document, "extensionsUsed").all(refers_to_no_data);
+        let mut kept = Self {
+            accessors: vec![all; count(document, "accessors")],
+            views: vec![all; count(document, "bufferViews")],
+        };
+        for_each_accessor_index(document, &mut |index| mark(&mut kept.accessors, index));
+        let accessors = kept.accessors.clone();
+        for_each_view_index(document, &accessors, &mut |index| mark(&mut kept.views, index));
+        kept
+    }
+
+    /// Hands the kept accessors and views with their bytes to the builder and renumbers all references.
+    pub(super) fn copy(&self, document: &mut Value, scene: &Scene, builder: &mut Builder<'_>) -> Result<()> {
+        let views = document.get("bufferViews").and_then(Value::as_array).cloned().unwrap_or_default();
+        let new_view = renumbered(&self.views);
+        for (view, _) in views.iter().zip(&self.views).filter(|(_, kept)| **kept) {
+            let bytes = view_bytes(view, scene)?;
+            let mut properties: Map<String, Value> = view.as_object().cloned().unwrap_or_default();
+            properties.remove("byteOffset");
+            builder.view(properties, bytes.len(), Box::new(move |out| out.copy_from_slice(&bytes)));
+        }
+        for_each_view_index(document, &self.accessors, &mut |index| renumber(&new_view, index));
+        let new_accessor = renumbered(&self.accessors);
+        for_each_accessor_index(document, &mut |index| renumber(&new_accessor, index));
+        let accessors =
+            document.get_mut("accessors").and_then(Value::as_array_mut).map(std::mem::take).unwrap_or_default();
+        builder.accessors.extend(accessors.into_iter().zip(&self.accessors).filter(|(_, kept)| **kept).map(|(a, _)| a));
+        Ok(())
+    }
+}
+
+fn view_bytes(view: &Value, scene: &Scene) -> Result<bytes::Bytes> {
+    let number = |key: &str| view.get(key).map_or(Some(0), index_of);
+    let range = number("byteOffset").zip(number("byteLength")).map(|(start, length)| start..start + length);
+    let buffer = number("buffer").and_then(|buffer| scene.buffers.get(buffer));
+    match (range, buffer) {
+        (Some(range), Some(buffer)) if range.end <= buffer.len() => Ok(buffer.slice(range)),
+        _ => Err(Error::internal("a checked buffer view reaches outside its buffer")),
+    }
+}
+
+fn mark(kept: &mut [bool], index: &mut Value) {
+    if let Some(slot) = index_of(index).and_then(|i| kept.get_mut(i)) {
+        *slot = true;
+    }
+}
+
+fn renumbered(kept: &[bool]) -> Vec<usize> {
+    kept.iter().scan(0, |next, kept| Some(std::mem::replace(next, *next + usize::from(*kept)))).collect()
+}
+
+fn renumber(new: &[usize], index: &mut Value) {
+    if let Some(&number) = index_of(index).and_then(|i| new.get(i)) {
+        *index = number.into();
+    }
+}
+
+/// Files may print 3 as 3.0.
+fn index_of(value: &Value) -> Option<usize> {
+    value.as_u64().or_else(|| value.as_f64().map(|x| x as u64)).map(|x| x as usize)
+}
+
+type Visit<'a> = &'a mut dyn FnMut(&mut Value);
+
+fn for_each_accessor_index(document: &mut Value, visit: Visit<'_>) {
+    for primitive in elements(document, "meshes").flat_map(|mesh| elements(mesh, "primitives")) {
+        members(primitive.get_mut("attributes"), visit);
+        primitive.get_mut("indices").into_iter().for_each(&mut *visit);
+        elements(primitive, "targets").for_each(|target| members(Some(target), visit));
+    }
+    for sampler in elements(document, "animations").flat_map(|animation| elements(animation, "samplers")) {
+        sampler.get_mut("input").into_iter().for_each(&mut *visit);
+        sampler.get_mut("output").into_iter().for_each(&mut *visit);
+    }
+    elements(document, "skins").filter_map(|skin| skin.get_mut("inverseBindMatrices")).for_each(&mut *visit);
+    for node in elements(document, "nodes") {
+        members(node.pointer_mut("/extensions/EXT_mesh_gpu_instancing/attributes"), visit);
+    }
+}
+
+/// Of images and of those accessors that `accessors` marks.
+fn for_each_view_index(document: &mut Value, accessors: &[bool], visit: Visit<'_>) {
+    elements(document, "images").filter_map(|image| image.get_mut("bufferView")).for_each(&mut *visit);
+    for (accessor, _) in elements(document, "accessors").zip(accessors).filter(|(_, kept)| **kept) {
+        for path in ["/bufferView", "/sparse/indices/bufferView", "/sparse/values/bufferView"] {
+            accessor.pointer_mut(path).into_iter().for_each(&mut *visit);
+        }
+    }
+}
+
+fn elements<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
+    value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+fn members(value: Option<&mut Value>, visit: Visit<'_>) {
+    value.and_then(Value::as_object_mut).into_iter().flat_map(Map::values_mut).for_each(visit);
+}
+
+fn names<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = &'a str> {
+    document.get(key).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
+}
+
+fn primitive_mut(document: &mut Value, mesh: usize, primitive: usize) -> Option<&mut Map<String, Value>> {
+    document.pointer_mut(&format!("/meshes/{mesh}/primitives/{primitive}"))?.as_object_mut()
+}
+
+/// Takes all references to data from a primitive that gets new ones.
+pub(super) fn clear_primitive(document: &mut Value, mesh: usize, primitive: usize) {
+    if let Some(primitive) = primitive_mut(document, mesh, primitive) {
+        for key in ["attributes", "indices", "targets", "mode"] {
+            primitive.remove(key);
+        }
+    }
+}
+
+pub(super) fn fill_primitive(
+    document: &mut Value,
+    mesh: usize,
+    primitive: usize,
+    attributes: Map<String, Value>,
+    indices: usize,
+    targets: Vec<Value>,
+) {
+    if let Some(primitive) = primitive_mut(document, mesh, primitive) {
+        primitive.insert("attributes".into(), attributes.into());
+        primitive.insert("indices".into(), indices.into());
+        if !targets.is_empty() {
+            primitive.insert("targets".into(), targets.into());
+        }
+    }
+}
+
+/// The uncompressed data is written; a compressed copy of other data must not stand beside it.
+pub(super) fn drop_compression(document: &mut Value) {
+    for key in ["buffers", "bufferViews"] {
+        elements(document, key).for_each(drop_compression_of);
+    }
+    elements(document, "meshes").flat_map(|mesh| elements(mesh, "primitives")).for_each(drop_compression_of);
+    drop_names(document, |name| is_compression(name));
+}
+
+fn drop_compression_of(value: &mut Value) {
+    let Some(object) = value.as_object_mut() else { return };
+    if let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) {
+        extensions.retain(|name, _| !is_compression(name));
+        if extensions.is_empty() {
+            object.remove("extensions");
+        }
+    }
+}
+
+fn drop_names(document: &mut Value, unwanted: impl Fn(&str) -> bool) {
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        let Some(list) = document.get_mut(key).and_then(Value::as_array_mut) else { continue };
+        list.retain(|name| !name.as_str().is_some_and(&unwanted));
+        if list.is_empty() {
+            document.as_object_mut().map(|root| root.remove(key));
+        }
+    }
+}
+
+/// Images that some texture called normal map shows, the core one or an extension's.
+pub(super) fn images_of_normal_maps(document: &Value) -> HashSet<usize> {
+    let mut textures = HashSet::new();
+    find_normal_textures(document.get("materials"), &mut textures);
+    let list = document.get("textures").and_then(Value::as_array);
+    let source = |(i, texture): (usize, &Value)| {
+        textures.contains(&i).then(|| texture.get("source").and_then(index_of)).flatten()
+    };
+    list.into_iter().flatten().enumerate().filter_map(source).collect()
+}
+
+fn find_normal_textures(value: Option<&Value>, textures: &mut HashSet<usize>) {
+    match value {
+        Some(Value::Array(list)) => list.iter().for_each(|item| find_normal_textures(Some(item), textures)),
+        Some(Value::Object(object)) => {
+            for (key, member) in object {
+                if key.ends_with("ormalTexture") {
+                    textures.extend(member.get("index").and_then(index_of));
+                }
+                find_normal_textures(Some(member), textures);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Last touches: no empty lists, no claim to quantisation when nothing is quantised any more.
+pub(super) fn finish(document: &mut Value) {
+    if !has_quantized(document) {
+        drop_names(document, |name| name == "KHR_mesh_quantization");
+    }
+    let empty_buffer = document.pointer("/buffers/0/byteLength").and_then(Value::as_u64) == Some(0);
+    let Some(root) = document.as_object_mut() else { return };
+    if empty_buffer {
+        root.remove("buffers");
+    }
+    for key in ["accessors", "bufferViews"] {
+        if root.get(key).and_then(Value::as_array).is_some_and(Vec::is_empty) {
+            root.remove(key);
+        }
+    }
+}
+
+fn has_quantized(document: &mut Value) -> bool {
+    const F32: u64 = 5126;
+    let quantized: Vec<bool> =
+        elements(document, "accessors").map(|a| a.get("componentType").and_then(Value::as_u64) != Some(F32)).collect();
+    let is_quantized = |index: &Value| index_of(index).and_then(|i| quantized.get(i)).copied().unwrap_or(false);
+    let geometric = |key: &str| ["POSITION", "NORMAL", "TANGENT", "TEXCOORD"].iter().any(|set| key.starts_with(set));
+    elements(document, "meshes").flat_map(|mesh| elements(mesh, "primitives")).any(|primitive| {
+        let targets = primitive.get("targets").and_then(Value::as_array).into_iter().flatten();
+        let parts = primitive.get("attributes").into_iter().chain(targets).filter_map(Value::as_object);
+        parts.flatten().any(|(key, index)| geometric(key) && is_quantized(index))
+    })
+}
