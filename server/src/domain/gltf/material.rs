@@ -2,7 +2,7 @@
 
 use super::json::At;
 use crate::domain::{
-    Result,
+    Error, Result,
     detail::Wrap,
     scene::{Material, MaterialDisplacement, TextureUse},
 };
@@ -41,7 +41,7 @@ fn displacement(root: &At<'_>, at: &At<'_>) -> Result<Option<MaterialDisplacemen
     let Some(extension) = spellings.iter().find_map(|name| at.extension(name)) else { return Ok(None) };
     let Some(texture) = extension.get("displacementGeometryTexture") else { return Ok(None) };
     let Some(texture) = texture_use(root, &texture)? else { return Ok(None) };
-    let number = |key: &str, default: f64| Ok(extension.number(key)?.unwrap_or(default) as f32);
+    let number = |key: &str, default: f64| Ok::<_, Error>(extension.number(key)?.unwrap_or(default) as f32);
     let factor = number("displacementGeometryFactor", 1.0)?;
     Ok(Some(MaterialDisplacement { texture, factor, offset: number("displacementGeometryOffset", 0.0)? }))
 }

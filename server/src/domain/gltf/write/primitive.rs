@@ -287,13 +287,13 @@ fn bounds(fine: &Fine<'_>) -> Result<Bounds> {
 /// Exact bounds; fails where a value is not finite.
 fn bounds_of(fine: &Fine<'_>, values: &[[f32; 3]]) -> Result<Bounds> {
     let empty = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let add = |(low, high): Bounds, p: &[f32; 3]| {
-        // A NaN compares as neither lower nor higher: it is let through here and caught below.
-        let keep = |a: f32, b: f32, better: bool| if better || b.is_nan() { b } else { a };
-        let low = [0, 1, 2].map(|k| keep(low[k], p[k], p[k] < low[k]));
-        (low, [0, 1, 2].map(|k| keep(high[k], p[k], p[k] > high[k])))
+    // A NaN compares as neither lower nor higher: it is let through here and caught below.
+    let keep = |a: f32, b: f32, better: bool| if better || b.is_nan() { b } else { a };
+    let join = |a: Bounds, b: Bounds| {
+        let low = [0, 1, 2].map(|k| keep(a.0[k], b.0[k], b.0[k] < a.0[k]));
+        (low, [0, 1, 2].map(|k| keep(a.1[k], b.1[k], b.1[k] > a.1[k])))
     };
-    let join = |a: Bounds, b: Bounds| add(add(a, &b.0), &b.1);
+    let add = |bounds: Bounds, p: &[f32; 3]| join(bounds, (*p, *p));
     let found =
         fine.ranges.iter().map(|range| values[range.clone()].par_iter().fold(|| empty, add).reduce(|| empty, join));
     let found = found.fold(empty, join);
