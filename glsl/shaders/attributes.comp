@@ -8,7 +8,8 @@ layout(local_size_x = 64) in;
 
 layout(push_constant, scalar) uniform Params {
     uint count;
-    uint first;
+    uint start; // number of the first thread's vertex in its block
+    uint to;    // its number in `values`
     uint block;
     uint components;
     Lattice lattice;
@@ -26,9 +27,9 @@ void main() {
     if (i >= params.count) {
         return;
     }
-    Site site = site_of(params.lattice, params.block, i);
+    Site site = site_of(params.lattice, params.block, i + params.start);
     uvec3 from = site.av * params.components;
-    uint to = (i + params.first) * params.components;
+    uint to = (i + params.to) * params.components;
     for (uint k = 0u; k < params.components; ++k) {
         precise float value = site.b.x * LOAD(base_values, from.x + k) + site.b.y * LOAD(base_values, from.y + k) + site.b.z * LOAD(base_values, from.z + k);
         STORE(values, to + k, value);

@@ -56,9 +56,11 @@ void main() {
     );
     STORE(triangles, i, id);
     vec3 p = LOAD(positions, id.x);
-    vec3 facet = cross(LOAD(positions, id.y) - p, LOAD(positions, id.z) - p);
-    float facing = dot(facet, LOAD(triangle_facing, t));
-    bool finite = (floatBitsToUint(facing) & 0x7f800000u) != 0x7f800000u;
+    vec3 q = LOAD(positions, id.y);
+    vec3 r = LOAD(positions, id.z);
+    // False for NaN as well.
+    bool finite = all(lessThan(abs(p) + abs(q) + abs(r), vec3(3e38)));
+    float facing = dot(cross(q - p, r - p), LOAD(triangle_facing, t));
     if (!finite) {
         atomicAdd(ELEMENT(counters, NOT_FINITE), 1u);
     } else if (facing < 0.0) {

@@ -5,6 +5,7 @@ pub mod lattice;
 pub mod layout;
 pub mod methods;
 pub mod reference;
+pub mod tables;
 
 /// A compiled compute shader and what its SPIR-V says of its interface.
 #[derive(Debug)]

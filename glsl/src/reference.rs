@@ -1,10 +1,30 @@
-//! The f64 twins of the passes, same stems: the oracle. Each takes the tables its pass takes.
+//! The f64 twins of the passes: the same inputs, the same stems, no device. Together they are the
+//! `reference` executor and the measure of every pass.
 
+pub mod attributes;
 pub mod base_color;
 pub mod clip;
+pub mod displace;
+pub mod displace_expression;
+pub mod displace_vector;
+pub mod frame;
+pub mod jets_correction;
+pub mod jets_expression;
+pub mod jets_height;
+pub mod jets_vector;
+pub mod map;
 pub mod mip;
+pub mod normals_analytic;
+pub mod normals_geometric;
 pub mod raster;
+pub mod reconcile_corners;
+pub mod reconcile_edges;
+pub mod reconcile_interiors;
+pub mod samples;
 pub mod scan;
 pub mod shade;
+pub mod site;
+pub mod subdivide;
 pub mod surface;
 pub mod transform;
+pub mod triangles;

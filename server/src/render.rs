@@ -1,8 +1,11 @@
 //! Executors of a plan: the Vulkan device and the f64 reference.
 
 pub mod image;
+pub mod passes;
+pub mod reference;
 pub mod reference_image;
 pub mod scan;
+pub mod vulkan;
 
 use std::sync::Arc;
 
@@ -16,7 +19,7 @@ use crate::domain::{
     report::PassTime,
     surface::Surface,
 };
-use crate::vulkan;
+use crate::vulkan as device;
 
 /// Which device, and how.
 #[derive(Clone, Debug, Default)]
@@ -32,8 +35,10 @@ pub struct ExecutorOptions {
 
 /// Opens the device that `options` name.
 pub fn open(options: &ExecutorOptions) -> Result<Box<dyn Executor>> {
-    let device = options.device.as_deref().unwrap_or("the best device");
-    Err(Error::unsupported("device", format!("'{device}' cannot be opened: no executor is joined yet")))
+    if options.device.as_deref() == Some("reference") {
+        return Ok(Box::new(reference::ReferenceExecutor));
+    }
+    Ok(Box::new(vulkan::VulkanExecutor::open(options)?))
 }
 
 /// What an executor needs to know of the job beyond its plan.
@@ -68,36 +73,36 @@ pub trait Executor: Send + Sync {
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)>;
 }
 
-impl From<vulkan::Error> for Error {
-    fn from(error: vulkan::Error) -> Self {
+impl From<device::Error> for Error {
+    fn from(error: device::Error) -> Self {
         let message = error.message.clone();
         match error.kind {
-            vulkan::ErrorKind::OutOfMemory => Self::too_large("device", message),
-            vulkan::ErrorKind::NotSupported => Self::unsupported("device", message),
-            vulkan::ErrorKind::Cancelled => Self::cancelled(),
-            vulkan::ErrorKind::Lost => Self::new(ErrorKind::Unavailable, message).with_cause(error),
-            vulkan::ErrorKind::Internal => Self::internal(message).with_cause(error),
+            device::ErrorKind::OutOfMemory => Self::too_large("device", message),
+            device::ErrorKind::NotSupported => Self::unsupported("device", message),
+            device::ErrorKind::Cancelled => Self::cancelled(),
+            device::ErrorKind::Lost => Self::new(ErrorKind::Unavailable, message).with_cause(error),
+            device::ErrorKind::Internal => Self::internal(message).with_cause(error),
         }
     }
 }
 
-impl From<vulkan::PassTime> for PassTime {
-    fn from(time: vulkan::PassTime) -> Self {
+impl From<device::PassTime> for PassTime {
+    fn from(time: device::PassTime) -> Self {
         Self { name: time.name.into(), ms: time.ms, bytes: time.bytes }
     }
 }
 
-impl vulkan::CancelSignal for Cancel {
+impl device::CancelSignal for Cancel {
     fn is_cancelled(&self) -> bool {
         Self::is_cancelled(self)
     }
 }
 
-impl<P: Progress + ?Sized> vulkan::PassObserver for P {
+impl<P: Progress + ?Sized> device::PassObserver for P {
     fn pass(&self, name: &str, done: u64, total: u64) {
         Progress::pass(self, name, done, total);
     }
 }
 
 // The device pages streams as plans assume.
-const _: () = assert!(PAGE_ELEMENTS == 1 << vulkan::PAGE_SHIFT && MAX_PAGES == vulkan::MAX_PAGES);
+const _: () = assert!(PAGE_ELEMENTS == 1 << device::PAGE_SHIFT && MAX_PAGES == device::MAX_PAGES);

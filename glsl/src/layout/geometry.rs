@@ -196,7 +196,8 @@ mirrors! {
 
     pub struct AttributesParams {
         pub count: u32,
-        pub first: u32,
+        pub start: u32,
+        pub to: u32,
         pub block: u32,
         pub components: u32,
         pub lattice: Lattice,

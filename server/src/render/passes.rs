@@ -1,0 +1,96 @@
+//! The host side of the geometry passes: tables from a mesh and its details, dispatches, results.
+//!
+//! | pass | file | what it does |
+//! |---|---|---|
+//! | subdivide | `subdivide.rs` | base surface at fine vertices |
+//! | displace, displace_vector, displace_expression, rest | `displace.rs` | positions, layer by layer |
+//! | samples, jets_* | `jets.rs` | displacements with derivatives |
+//! | reconcile_corners, _edges, _interiors | `reconcile.rs` | one place for each geometric vertex |
+//! | normals_analytic, normals_geometric | `normals.rs` | normals |
+//! | triangles | `triangles.rs` | fine triangles, flipped and broken ones counted |
+//! | attributes | `attributes.rs` | everything else that is interpolated |
+
+pub mod attributes;
+pub mod contributions;
+pub mod displace;
+pub mod jets;
+pub mod layers;
+pub mod normals;
+pub mod reconcile;
+pub mod seams;
+pub mod skin;
+pub mod streams;
+pub mod subdivide;
+pub mod tables;
+pub mod triangles;
+
+use std::sync::Arc;
+
+use displace_glsl::{layout::geometry::counter, tables::Tables};
+
+use crate::{
+    domain::{Error, Result, detail::Detail, mesh::Mesh, plan::NormalsPlan, plan::SurfacePlan, surface::Surface},
+    vulkan::{Device, PassTime, Recorder},
+};
+use streams::{BaseStreams, FineStreams};
+
+/// Displaces one mesh on a device.
+pub fn displace(
+    device: &Arc<Device>,
+    mut recorder: Recorder<'_>,
+    plan: &SurfacePlan,
+    mesh: &Mesh,
+    details: &[Option<Arc<Detail>>],
+) -> Result<(Surface, Vec<PassTime>)> {
+    let tables = tables::build(plan, mesh, details)?;
+    let base = BaseStreams::new(device, &tables)?;
+    let mut fine = FineStreams::new(device, plan, &tables)?;
+    subdivide::record(&mut recorder, &tables, &base, &fine)?;
+    displace::record(&mut recorder, &tables, mesh, &base, &fine)?;
+    fine.release_base(device)?;
+    reconcile::record(device, &mut recorder, &tables, &base, &fine)?;
+    match plan.normals {
+        NormalsPlan::Analytic => normals::record_analytic(device, &mut recorder, &tables, &base, &fine)?,
+        NormalsPlan::Geometric => normals::record_geometric(&mut recorder, &tables, &base, &fine)?,
+    }
+    triangles::record(&mut recorder, &tables, &base, &fine)?;
+    let attributes = attributes::record(device, &mut recorder, plan, &tables, mesh, &base)?;
+    let times = recorder.finish()?;
+    Ok((surface(plan, &tables, mesh, &fine, &attributes)?, times))
+}
+
+fn surface(
+    plan: &SurfacePlan,
+    tables: &Tables,
+    mesh: &Mesh,
+    fine: &FineStreams,
+    attributes: &[attributes::Pieces],
+) -> Result<Surface> {
+    let counters: Vec<u32> = fine.counters.read()?;
+    check_finite(mesh, u64::from(counters[counter::NOT_FINITE]))?;
+    let mut values = attributes.iter().map(attributes::Pieces::read).collect::<Result<Vec<_>>>()?;
+    skin::blend(tables, mesh, plan.vertices, &mut values);
+    Ok(Surface {
+        level: plan.level,
+        positions: fine.positions.read()?,
+        normals: fine.normals.read()?,
+        attributes: values,
+        triangles: fine.triangles.read()?,
+        mismatch_max: f32::from_bits(counters[counter::MISMATCH]),
+        flipped: u64::from(counters[counter::FLIPPED]),
+    })
+}
+
+/// Refuses results with infinite or undefined positions.
+pub fn check_finite(mesh: &Mesh, broken_triangles: u64) -> Result<()> {
+    if broken_triangles == 0 {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "details",
+        format!(
+            "{broken_triangles} triangles of mesh '{}' have positions that are not finite: lower the scale, or keep the expression away from division by 0, roots and logarithms of negative numbers (max(value, 0.001) helps)",
+            mesh.name
+        ),
+    ))
+}

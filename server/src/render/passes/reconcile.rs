@@ -1,0 +1,195 @@
+//! The passes `reconcile_corners` and `reconcile_edges`: one place for each geometric vertex. The insides
+//! of corrected triangles follow with `reconcile_interiors`.
+
+use std::{ops::Range, sync::Arc};
+
+use displace_glsl::{
+    SHADERS,
+    lattice::{edge_points, interior_points},
+    layout::geometry::{ReconcileCornersParams, ReconcileEdgesParams, ReconcileInteriorsParams, block},
+    tables::Tables,
+};
+
+use super::{
+    jets::{Domain, Jets, all_details, details_between},
+    streams::{BaseStreams, CHUNK, FineStreams, SampleStreams},
+};
+use crate::{
+    domain::Result,
+    vulkan::{Device, Recorder},
+};
+
+pub fn record(
+    device: &Arc<Device>,
+    recorder: &mut Recorder<'_>,
+    tables: &Tables,
+    base: &BaseStreams,
+    fine: &FineStreams,
+) -> Result<()> {
+    let pass = Pass { device, tables, base, fine };
+    pass.corners(recorder)?;
+    pass.edges(recorder)?;
+    pass.interiors(recorder)
+}
+
+struct Pass<'a> {
+    device: &'a Arc<Device>,
+    tables: &'a Tables,
+    base: &'a BaseStreams,
+    fine: &'a FineStreams,
+}
+
+impl Pass<'_> {
+    fn corners(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        let count = self.tables.seam_vertices.len() as u64;
+        if count == 0 {
+            return Ok(());
+        }
+        let sides = self.tables.seam_corners.len() as u64;
+        let chunk = SampleStreams::new(self.device, sides)?;
+        self.jets(recorder, &chunk, &Domain {
+            block: block::SEAM_CORNERS,
+            start: 0,
+            count: sides,
+            details: all_details(self.tables),
+            hats: false,
+            ramps: false,
+        })?;
+        let params = ReconcileCornersParams { count: count as u32, rule: self.tables.rule };
+        let streams = [
+            ("av_position_u", &self.base.av_position_u),
+            ("seam_vertices", &self.base.seam_vertices),
+            ("seam_corners", &self.base.seam_corners),
+            ("jets", &chunk.jets),
+            ("av_correction", &self.fine.av_correction),
+            ("positions", &self.fine.positions),
+            ("counters", &self.fine.counters),
+        ];
+        Ok(recorder.dispatch(&SHADERS.reconcile_corners, count, &params, &streams)?)
+    }
+
+    fn edges(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        let points = edge_points(self.tables.lattice.level);
+        if self.tables.seams.is_empty() || points == 0 {
+            return Ok(());
+        }
+        let chunks = seam_chunks(self.tables, points);
+        let most = chunks.iter().map(|seams| self.sides(seams)).map(|sides| sides.end - sides.start).max().unwrap_or(0);
+        let chunk = SampleStreams::new(self.device, most * points)?;
+        for seams in chunks {
+            self.edge_chunk(recorder, &chunk, seams, points)?;
+        }
+        Ok(())
+    }
+
+    /// The entries of `seam_sides` that a range of seams owns.
+    fn sides(&self, seams: &Range<usize>) -> Range<u64> {
+        let (first, last) = (&self.tables.seams[seams.start], &self.tables.seams[seams.end - 1]);
+        u64::from(first.first)..u64::from(last.first + last.count)
+    }
+
+    fn edge_chunk(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, seams: Range<usize>, points: u64) -> Result<()> {
+        let sides = self.sides(&seams);
+        self.jets(recorder, chunk, &Domain {
+            block: block::SEAM_EDGES,
+            start: sides.start * points,
+            count: (sides.end - sides.start) * points,
+            details: all_details(self.tables),
+            hats: !self.tables.corrections.is_empty(),
+            ramps: false,
+        })?;
+        let count = seams.len() as u64 * points;
+        let params = ReconcileEdgesParams {
+            count: count as u32,
+            start: (seams.start as u64 * points) as u32,
+            first_sample: (sides.start * points) as u32,
+            rule: self.tables.rule,
+            lattice: self.tables.lattice,
+        };
+        let streams = [
+            ("av_position_u", &self.base.av_position_u),
+            ("av_direction_v", &self.base.av_direction_v),
+            ("av_normal", &self.base.av_normal),
+            ("av_tangent", &self.base.av_tangent),
+            ("base_edges", &self.base.base_edges),
+            ("base_triangles", &self.base.base_triangles),
+            ("seams", &self.base.seams),
+            ("seam_sides", &self.base.seam_sides),
+            ("jets", &chunk.jets),
+            ("positions", &self.fine.positions),
+            ("counters", &self.fine.counters),
+        ];
+        Ok(recorder.dispatch(&SHADERS.reconcile_edges, count, &params, &streams)?)
+    }
+
+    fn interiors(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        let points = interior_points(self.tables.lattice.level);
+        let start = u64::from(self.tables.uncorrected_triangles) * points;
+        let end = self.tables.triangle_order.len() as u64 * points;
+        if start == end {
+            return Ok(());
+        }
+        let chunk = SampleStreams::new(self.device, CHUNK.min(end - start))?;
+        for first in (start..end).step_by(CHUNK as usize) {
+            self.interior_chunk(recorder, &chunk, first..(first + CHUNK).min(end), points)?;
+        }
+        Ok(())
+    }
+
+    fn interior_chunk(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, range: Range<u64>, points: u64) -> Result<()> {
+        self.jets(recorder, chunk, &interior_domain(self.tables, range.clone(), points, true))?;
+        let count = range.end - range.start;
+        let params = ReconcileInteriorsParams {
+            count: count as u32,
+            start: range.start as u32,
+            lattice: self.tables.lattice,
+        };
+        let streams = [
+            ("av_position_u", &self.base.av_position_u),
+            ("av_direction_v", &self.base.av_direction_v),
+            ("av_normal", &self.base.av_normal),
+            ("av_tangent", &self.base.av_tangent),
+            ("base_edges", &self.base.base_edges),
+            ("base_triangles", &self.base.base_triangles),
+            ("triangle_order", &self.base.triangle_order),
+            ("samples", &chunk.samples),
+            ("jets", &chunk.jets),
+            ("positions", &self.fine.positions),
+        ];
+        Ok(recorder.dispatch(&SHADERS.reconcile_interiors, count, &params, &streams)?)
+    }
+
+    fn jets(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, domain: &Domain) -> Result<()> {
+        let Self { tables, base, fine, .. } = self;
+        Jets { tables, base, av_correction: &fine.av_correction, chunk }.record(recorder, domain)
+    }
+}
+
+/// Samples `range` of the inside of base triangles, in their order.
+#[must_use]
+pub fn interior_domain(tables: &Tables, range: Range<u64>, points: u64, corrected: bool) -> Domain {
+    Domain {
+        block: block::INTERIORS,
+        start: range.start,
+        count: range.end - range.start,
+        details: details_between(tables, range.start / points, (range.end - 1) / points),
+        hats: corrected,
+        ramps: corrected,
+    }
+}
+
+/// Ranges of seams of at most about `CHUNK` samples each.
+fn seam_chunks(tables: &Tables, points: u64) -> Vec<Range<usize>> {
+    let mut chunks = Vec::new();
+    let (mut start, mut samples) = (0, 0);
+    for (k, seam) in tables.seams.iter().enumerate() {
+        let more = u64::from(seam.count) * points;
+        if samples > 0 && samples + more > CHUNK {
+            chunks.push(start..k);
+            (start, samples) = (k, 0);
+        }
+        samples += more;
+    }
+    chunks.push(start..tables.seams.len());
+    chunks
+}

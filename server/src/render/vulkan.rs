@@ -1,0 +1,83 @@
+//! The executor on a Vulkan device.
+
+use std::sync::Arc;
+
+use super::{Executor, ExecutorOptions, JobContext, image, passes};
+use crate::{
+    domain::{
+        Result,
+        detail::Detail,
+        image::{ImagePlan, ImageSet, RenderScene},
+        mesh::Mesh,
+        plan::SurfacePlan,
+        report::PassTime,
+        surface::Surface,
+    },
+    vulkan::{Device, DeviceOptions},
+};
+
+/// One open device.
+pub struct VulkanExecutor {
+    device: Arc<Device>,
+    name: String,
+    driver: String,
+    class: String,
+}
+
+impl VulkanExecutor {
+    pub fn open(options: &ExecutorOptions) -> Result<Self> {
+        let device = Device::open(&DeviceOptions {
+            selector: options.device.clone(),
+            validation: options.validation,
+            cache_dir: Some(options.cache.clone()),
+            budget_bytes: options.device_bytes,
+            ..DeviceOptions::default()
+        })?;
+        Ok(Self::with_device(device))
+    }
+
+    #[must_use]
+    pub fn with_device(device: Arc<Device>) -> Self {
+        let info = device.info();
+        let name = info.name.clone();
+        let driver = info.driver.clone();
+        let class = info.class();
+        Self { device, name, driver, class }
+    }
+
+    /// The device, for tests and measurements.
+    #[must_use]
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+}
+
+impl Executor for VulkanExecutor {
+    fn device_name(&self) -> &str {
+        &self.name
+    }
+
+    fn driver(&self) -> &str {
+        &self.driver
+    }
+
+    fn device_class(&self) -> &str {
+        &self.class
+    }
+
+    fn displace(
+        &self,
+        job: &JobContext<'_>,
+        plan: &SurfacePlan,
+        mesh: &Mesh,
+        detail_of_primitive: &[Option<Arc<Detail>>],
+    ) -> Result<(Surface, Vec<PassTime>)> {
+        let recorder = self.device.recorder(job.cancel, job.progress);
+        let (surface, times) = passes::displace(&self.device, recorder, plan, mesh, detail_of_primitive)?;
+        Ok((surface, times.into_iter().map(PassTime::from).collect()))
+    }
+
+    fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
+        image::render(&self.device, job, plan, scene)
+    }
+}
