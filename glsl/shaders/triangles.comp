@@ -1,6 +1,6 @@
 #version 460
-// Fine triangles, wound as their base triangle. Counts those that face against the base triangle's
-// welded direction and those whose positions are not finite.
+// Fine triangles, wound as their base triangle. Counts those that face against the base triangle and
+// those whose positions are not finite.
 #include "common.glsl"
 #include "pages.glsl"
 #include "lattice.glsl"

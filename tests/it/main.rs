@@ -2,6 +2,7 @@
 mod cli;
 mod corpus;
 mod determinism;
+mod passes;
 mod service;
 mod tidy;
 mod vulkan;

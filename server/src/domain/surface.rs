@@ -16,6 +16,6 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
     /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
     pub mismatch_max: f32,
-    /// Triangles whose normal points against the welded direction of their base triangle.
+    /// Triangles that face against their base triangle.
     pub flipped: u64,
 }

@@ -168,11 +168,17 @@ impl Pass<'_> {
 /// Samples `range` of the inside of base triangles, in their order.
 #[must_use]
 pub fn interior_domain(tables: &Tables, range: Range<u64>, points: u64, corrected: bool) -> Domain {
+    // Ramps bring in the details of neighbours.
+    let details = if corrected {
+        all_details(tables)
+    } else {
+        details_between(tables, range.start / points, (range.end - 1) / points)
+    };
     Domain {
         block: block::INTERIORS,
         start: range.start,
         count: range.end - range.start,
-        details: details_between(tables, range.start / points, (range.end - 1) / points),
+        details,
         hats: corrected,
         ramps: corrected,
     }

@@ -113,13 +113,12 @@ fn fill_triangles(tables: &mut Tables, mesh: &Mesh, numbering: &Numbering) {
     }
 }
 
-/// The welded direction of a base triangle; its opposite where the winding runs against the normals.
+/// The shading normal of a base triangle; its opposite where the winding runs against it.
 fn facing(mesh: &Mesh, av: [u32; 3]) -> [f32; 3] {
     let gv = av.map(|av| mesh.av_gv[av as usize] as usize);
     let [a, b, c] = gv.map(|gv| Vec3::from(mesh.gv_position[gv]).as_dvec3());
     let shading: Vec3 = av.iter().map(|&av| Vec3::from(mesh.av_normal[av as usize])).sum();
-    let direction: Vec3 = gv.iter().map(|&gv| Vec3::from(mesh.gv_direction[gv])).sum();
     let side = (b - a).cross(c - a).dot(shading.as_dvec3());
     let sign = if side == 0.0 { 0.0 } else { side.signum() as f32 };
-    (direction * sign).into()
+    (shading * sign).into()
 }
