@@ -10,6 +10,7 @@ pub mod error;
 pub mod expression;
 pub mod gltf;
 pub mod image;
+pub mod look;
 pub mod maps;
 pub mod mesh;
 pub mod plan;

@@ -7,10 +7,13 @@
 mod admission;
 mod displace;
 mod job;
+mod images;
+mod inputs;
 mod key;
 mod owner;
 mod registry;
 mod render;
+mod seams;
 mod standard;
 mod statistics;
 mod work;

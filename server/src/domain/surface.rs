@@ -1,5 +1,11 @@
 //! The result of displacing one base mesh, in host memory.
 
+use std::ops::Range;
+
+use displace_glsl::lattice;
+
+use super::mesh::{Mesh, Primitive};
+
 /// Fine vertices are attribute vertices in a closed-form order: with n = 2^level segments per edge,
 /// first the base avs; then, for each ae, its n − 1 inner vertices from the ae's first av to its second;
 /// then, for each base triangle, its (n − 1)(n − 2) / 2 inner vertices (see `displace_glsl::lattice`).
@@ -18,4 +24,23 @@ pub struct Surface {
     pub mismatch_max: f32,
     /// Triangles that face against their base triangle.
     pub flipped: u64,
+}
+
+impl Surface {
+    /// The three ranges of fine vertices of one primitive: corners, edges, interiors.
+    #[must_use]
+    pub fn vertices_of(&self, mesh: &Mesh, primitive: &Primitive) -> [Range<usize>; 3] {
+        let edge = lattice::edge_points(self.level) as usize;
+        let interior = lattice::interior_points(self.level) as usize;
+        let edges = mesh.av_gv.len();
+        let interiors = edges + mesh.ae_av.len() * edge;
+        let scaled = |range: &Range<u32>, first: usize, each: usize| {
+            first + range.start as usize * each..first + range.end as usize * each
+        };
+        [
+            scaled(&primitive.avs, 0, 1),
+            scaled(&primitive.aes, edges, edge),
+            scaled(&primitive.triangles, interiors, interior),
+        ]
+    }
 }

@@ -1,7 +1,13 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
-use super::{AssetReader, JobLimits, Work, WorkContext, WorkOutput, work::canonical};
-use crate::domain::{Digest, Error, Result, describe::Description, report::Estimate, request::DisplaceRequest};
+use super::{AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, work::canonical};
+use crate::domain::{
+    Digest, Result,
+    describe::{self, Description},
+    gltf,
+    report::{Estimate, Report},
+    request::DisplaceRequest,
+};
 
 pub(super) struct DisplaceWork {
     pub(super) request: DisplaceRequest,
@@ -24,15 +30,33 @@ impl Work for DisplaceWork {
         self.request.assets().iter().map(|asset| asset.size_bytes).sum()
     }
 
-    fn run(&self, _context: &WorkContext<'_>) -> Result<WorkOutput> {
-        Err(Error::unsupported("displace", "is not joined to the executors yet"))
+    fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
+        let mut inputs = Inputs::load(context.assets, context.limits, &self.request)?;
+        let (surfaces, mut passes) = inputs.displaced(context)?;
+        let mut report = self.report(context, &inputs);
+        seams::describe(&mut report, &mut inputs.scene, &surfaces);
+        context.cancel.check()?;
+        let written = inputs::timed("write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
+        report.warnings = inputs.scene.warnings;
+        report.warnings.extend(written.warnings);
+        report.passes = passes;
+        let output =
+            Output { name: "mesh.glb".into(), media_type: "model/gltf-binary".into(), bytes: written.bytes.into() };
+        Ok(WorkOutput { report, outputs: vec![output] })
     }
 }
 
-pub(super) fn describe(_: &dyn AssetReader, _: &Digest, _: &[(String, Digest)]) -> Result<Description> {
-    Err(Error::unsupported("describe", "is not joined to the loader yet"))
+impl DisplaceWork {
+    fn report(&self, context: &WorkContext<'_>, inputs: &Inputs) -> Report {
+        let device = context.executor.device_name().to_owned();
+        Report { method: self.method().into(), device, ..inputs.counts() }
+    }
 }
 
-pub(super) fn estimate(_: &dyn AssetReader, _: &JobLimits, _: &DisplaceRequest) -> Result<Estimate> {
-    Err(Error::unsupported("estimate", "is not joined to the loader yet"))
+pub(super) fn describe(assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description> {
+    Ok(describe::describe(&inputs::scene(assets, mesh, resources)?))
+}
+
+pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Estimate> {
+    Ok(Inputs::load(assets, limits, request)?.estimate())
 }

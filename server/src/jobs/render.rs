@@ -1,7 +1,15 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
-use super::{AssetReader, JobLimits, Work, WorkContext, WorkOutput, work::canonical};
-use crate::domain::{Error, Result, report::Estimate, request::RenderRequest};
+use super::{
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams,
+    work::canonical,
+};
+use crate::domain::{
+    Result, encode,
+    image::{ImageContents, ImagePlan},
+    report::{Estimate, Report},
+    request::{ImageFormat, RenderRequest},
+};
 
 /// Host bytes of a pixel while it is resolved and encoded: linear RGBA f32, and AOVs of up to three f32.
 const BYTES_PER_PIXEL: u64 = 16 + 5 * 12;
@@ -25,14 +33,57 @@ impl Work for RenderWork {
 
     fn host_bytes(&self) -> u64 {
         let inputs: u64 = self.request.surface.assets().iter().map(|asset| asset.size_bytes).sum();
-        inputs + u64::from(self.request.width) * u64::from(self.request.height) * BYTES_PER_PIXEL
+        inputs + image_bytes(&self.request)
     }
 
-    fn run(&self, _context: &WorkContext<'_>) -> Result<WorkOutput> {
-        Err(Error::unsupported("render", "is not joined to the executors yet"))
+    fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
+        let request = &self.request;
+        let mut inputs = Inputs::load(context.assets, context.limits, &request.surface)?;
+        let (surfaces, mut passes) = inputs.displaced(context)?;
+        let device = context.executor.device_name().to_owned();
+        let mut report = Report { method: self.method().into(), device, ..inputs.counts() };
+        seams::describe(&mut report, &mut inputs.scene, &surfaces);
+        context.cancel.check()?;
+        let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
+        let scene = inputs::timed("decode_images", &mut passes, decode)?;
+        let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
+        let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
+        inputs::add_times(&mut passes, times);
+        let files = inputs::timed("encode", &mut passes, || encode::encode(&images, request.format))?;
+        report.warnings = inputs.scene.warnings;
+        report.passes = passes;
+        let ending = match request.format {
+            ImageFormat::Png => "png",
+            ImageFormat::Exr => "exr",
+        };
+        let outputs = files.into_iter().map(|file| Output {
+            name: format!("{}.{ending}", file.name),
+            media_type: file.media_type.into(),
+            bytes: file.bytes.into(),
+        });
+        Ok(WorkOutput { report, outputs: outputs.collect() })
     }
 }
 
-pub(super) fn estimate(_: &dyn AssetReader, _: &JobLimits, _: &RenderRequest) -> Result<Estimate> {
-    Err(Error::unsupported("estimate", "is not joined to the loader yet"))
+fn image_bytes(request: &RenderRequest) -> u64 {
+    u64::from(request.width) * u64::from(request.height) * BYTES_PER_PIXEL
+}
+
+pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &RenderRequest) -> Result<Estimate> {
+    let inputs = Inputs::load(assets, limits, &request.surface)?;
+    let geometry = inputs.estimate();
+    let contents = ImageContents {
+        vertices: geometry.vertices,
+        triangles: geometry.triangles,
+        instance_vertices: geometry.vertices,
+        instance_triangles: geometry.triangles,
+        aovs: request.aovs.clone(),
+        ..ImageContents::default()
+    };
+    let plan = ImagePlan::new(request.width, request.height, &contents)?;
+    Ok(Estimate {
+        device_bytes: geometry.device_bytes.max(plan.device_bytes),
+        output_bytes: geometry.output_bytes + image_bytes(request),
+        ..geometry
+    })
 }

@@ -1,0 +1,106 @@
+//! What a request changes in the look of a scene before it is rendered or written.
+
+use bytes::Bytes;
+use serde_json::{Map, Value, json};
+
+use super::{
+    Error, Result,
+    detail::Wrap,
+    scene::{Material, Scene, SceneImage, TextureUse},
+};
+
+/// Makes `image` (an encoded PNG or JPEG) the base colour map of every material, and gives primitives
+/// without a material one that has it.
+pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
+    let media_type = media_type(&image)?;
+    require_uvs(scene)?;
+    let texture = add_texture(scene, media_type, &image)?;
+    let plain = scene.materials.len();
+    let uses_plain = use_plain_material(scene, plain)?;
+    if uses_plain {
+        array(&mut scene.document, "materials")?.push(json!({ "name": "base color" }));
+        scene.materials.push(Material { base_color_factor: [1.0; 4], ..Material::default() });
+    }
+    for material in array(&mut scene.document, "materials")? {
+        let material = material.as_object_mut().ok_or_else(malformed)?;
+        let pbr = material.entry("pbrMetallicRoughness").or_insert_with(|| Value::Object(Map::new()));
+        pbr.as_object_mut().ok_or_else(malformed)?.insert("baseColorTexture".into(), json!({ "index": texture }));
+    }
+    let index = scene.images.len();
+    scene.images.push(SceneImage { media_type: media_type.into(), bytes: Some(image.to_vec().into()) });
+    for material in &mut scene.materials {
+        material.base_color = Some(TextureUse {
+            image: index,
+            uv_set: 0,
+            wrap: [Wrap::Repeat; 2],
+            map_from_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        });
+    }
+    Ok(())
+}
+
+fn media_type(image: &[u8]) -> Result<&'static str> {
+    match image {
+        [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
+        [0xff, 0xd8, ..] => Ok("image/jpeg"),
+        _ => Err(Error::invalid("base_color", "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it")),
+    }
+}
+
+fn require_uvs(scene: &Scene) -> Result<()> {
+    for mesh in scene.meshes.iter().map(|m| &m.mesh) {
+        let uvs = mesh.attribute("TEXCOORD_0");
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            if !uvs.is_some_and(|a| a.primitives[p]) {
+                return Err(Error::invalid(
+                    "base_color",
+                    format!(
+                        "mesh '{}' primitive {} has no TEXCOORD_0, which a base colour map reads: unwrap the mesh, or leave the map out",
+                        mesh.name, primitive.gltf_primitive
+                    ),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Adds buffer, view, image and texture; returns the texture's index.
+fn add_texture(scene: &mut Scene, media_type: &str, image: &Bytes) -> Result<usize> {
+    let document = &mut scene.document;
+    let buffer = push(document, "buffers", json!({ "byteLength": image.len() }))?;
+    scene.buffers.push(image.clone());
+    let view = push(document, "bufferViews", json!({ "buffer": buffer, "byteLength": image.len() }))?;
+    let source = push(document, "images", json!({ "bufferView": view, "mimeType": media_type }))?;
+    push(document, "textures", json!({ "source": source }))
+}
+
+/// Points primitives without a material to `plain`; tells whether there were any.
+fn use_plain_material(scene: &mut Scene, plain: usize) -> Result<bool> {
+    let mut any = false;
+    for scene_mesh in &mut scene.meshes {
+        for primitive in scene_mesh.mesh.primitives.iter_mut().filter(|p| p.material.is_none()) {
+            primitive.material = Some(plain);
+            let path = format!("/meshes/{}/primitives/{}", scene_mesh.gltf_mesh, primitive.gltf_primitive);
+            let json = scene.document.pointer_mut(&path).and_then(Value::as_object_mut).ok_or_else(malformed)?;
+            json.insert("material".into(), json!(plain));
+            any = true;
+        }
+    }
+    Ok(any)
+}
+
+fn push(document: &mut Value, key: &str, value: Value) -> Result<usize> {
+    let array = array(document, key)?;
+    array.push(value);
+    Ok(array.len() - 1)
+}
+
+fn array<'d>(document: &'d mut Value, key: &str) -> Result<&'d mut Vec<Value>> {
+    let root = document.as_object_mut().ok_or_else(malformed)?;
+    root.entry(key).or_insert_with(|| Value::Array(Vec::new())).as_array_mut().ok_or_else(malformed)
+}
+
+fn malformed() -> Error {
+    Error::internal("a checked glTF document is not what the checks promise")
+}

@@ -1,0 +1,260 @@
+//! What every job starts from: the loaded scene, the details, and a plan for each base mesh.
+
+use std::{collections::HashMap, sync::Arc, time::Instant};
+
+use bytes::Bytes;
+
+use crate::{
+    domain::{
+        Digest, Error, Result,
+        detail::{Detail, LayerSource},
+        gltf, look, maps,
+        mesh::Mesh,
+        plan::SurfacePlan,
+        report::{Estimate, PassTime, Report, Warning},
+        request::{DisplaceRequest, Method},
+        scene::Scene,
+        surface::Surface,
+        weld,
+    },
+    jobs::{AssetReader, JobLimits, WorkContext},
+};
+
+pub(super) struct Inputs {
+    pub(super) scene: Scene,
+    plans: Vec<SurfacePlan>,
+    /// For each mesh, for each of its primitives.
+    details: Vec<Vec<Option<Arc<Detail>>>>,
+    /// Triangles of the base meshes, each counted once however often it is used.
+    triangles_in: u64,
+    passes: Vec<PassTime>,
+}
+
+impl Inputs {
+    /// Loads, checks and plans; refuses what exceeds a limit before any device work.
+    pub(super) fn load(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Self> {
+        let mut passes = Vec::new();
+        let mut scene = timed("read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
+        if let Some(digest) = &request.base_color {
+            look::replace_base_color(&mut scene, assets.read(digest)?)?;
+        }
+        let details = timed("decode_maps", &mut passes, || details(assets, &scene, request))?;
+        let details = fitted(&mut scene, &details)?;
+        let plans = plans(&scene, request)?;
+        let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
+        let inputs = Self { scene, plans, details, triangles_in, passes };
+        inputs.check(limits, request)?;
+        Ok(inputs)
+    }
+
+    fn check(&self, limits: &JobLimits, request: &DisplaceRequest) -> Result<()> {
+        if let Some(max) = request.geometry.max_triangles
+            && self.triangles() > max
+        {
+            return Err(Error::invalid(
+                "geometry.max_triangles",
+                format!(
+                    "level {} makes {} triangles, more than the {max} allowed: lower the level or raise the limit",
+                    request.geometry.uniform_level,
+                    self.triangles()
+                ),
+            ));
+        }
+        if self.device_bytes() > limits.device_bytes {
+            return Err(too_large("device memory", self.device_bytes(), limits.device_bytes));
+        }
+        if self.output_bytes() > limits.host_bytes {
+            return Err(too_large("host memory", self.output_bytes(), limits.host_bytes));
+        }
+        Ok(())
+    }
+
+    /// Displaces every base mesh, one after the other.
+    pub(super) fn displaced(&mut self, context: &WorkContext<'_>) -> Result<(Vec<Surface>, Vec<PassTime>)> {
+        let mut passes = std::mem::take(&mut self.passes);
+        let mut surfaces = Vec::with_capacity(self.plans.len());
+        for (plan, details) in self.plans.iter().zip(&self.details) {
+            let mesh = &self.scene.meshes[plan.mesh].mesh;
+            let (surface, times) = context.executor.displace(&context.job(), plan, mesh, details)?;
+            surfaces.push(surface);
+            add_times(&mut passes, times);
+        }
+        Ok((surfaces, passes))
+    }
+
+    fn triangles(&self) -> u64 {
+        self.plans.iter().map(|p| p.triangles).sum()
+    }
+
+    fn vertices(&self) -> u64 {
+        self.plans.iter().map(|p| p.vertices).sum()
+    }
+
+    pub(super) fn estimate(&self) -> Estimate {
+        Estimate {
+            triangles_in: self.triangles_in,
+            triangles: self.triangles(),
+            vertices: self.vertices(),
+            device_bytes: self.device_bytes(),
+            output_bytes: self.output_bytes(),
+            warnings: self.scene.warnings.clone(),
+        }
+    }
+
+    /// Meshes are worked on one after the other: the largest decides.
+    fn device_bytes(&self) -> u64 {
+        self.plans.iter().map(|p| p.device_bytes).max().unwrap_or(0)
+    }
+
+    /// The streams of all surfaces, which are also the body of the GLB.
+    fn output_bytes(&self) -> u64 {
+        let of_plan = |plan: &SurfacePlan| {
+            let attributes = &self.scene.meshes[plan.mesh].mesh.attributes;
+            let components: u64 = attributes.iter().map(|a| a.components as u64).sum();
+            plan.vertices * (24 + 4 * components) + plan.triangles * 12
+        };
+        self.plans.iter().map(of_plan).sum()
+    }
+
+    /// The part of a report that the plan knows.
+    pub(super) fn counts(&self) -> Report {
+        Report {
+            triangles_in: self.triangles_in,
+            triangles: self.triangles(),
+            vertices: self.vertices(),
+            ..Report::default()
+        }
+    }
+}
+
+/// Runs one host step and notes its time beside the passes.
+pub(super) fn timed<T>(name: &str, passes: &mut Vec<PassTime>, step: impl FnOnce() -> Result<T>) -> Result<T> {
+    let start = Instant::now();
+    let result = tracing::debug_span!("pass", name).in_scope(step)?;
+    passes.push(PassTime { name: name.into(), ms: start.elapsed().as_secs_f64() * 1e3, bytes: 0 });
+    Ok(result)
+}
+
+/// Adds times pass by pass, in the order in which passes first ran.
+pub(super) fn add_times(passes: &mut Vec<PassTime>, times: Vec<PassTime>) {
+    for time in times {
+        match passes.iter_mut().find(|p| p.name == time.name) {
+            Some(known) => {
+                known.ms += time.ms;
+                known.bytes += time.bytes;
+            }
+            None => passes.push(time),
+        }
+    }
+}
+
+pub(super) fn scene(assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Scene> {
+    let bytes = assets.read(mesh)?;
+    let mut files: HashMap<&str, Bytes> = HashMap::new();
+    for (uri, digest) in resources {
+        files.insert(uri, assets.read(digest)?);
+    }
+    gltf::load(&bytes, &|uri| files.get(uri).cloned(), &gltf::Limits::default())
+}
+
+/// The error of a plan that asks for more than one job may take.
+fn too_large(what: &str, needed: u64, allowed: u64) -> Error {
+    Error::too_large(
+        "geometry.uniform",
+        format!("the job needs {needed} bytes of {what}; this server gives a job {allowed}: lower the level"),
+    )
+}
+
+fn details(assets: &dyn AssetReader, scene: &Scene, request: &DisplaceRequest) -> Result<maps::Details> {
+    if request.method == Method::Flat {
+        return Ok(maps::Details::default());
+    }
+    let details = maps::resolve(scene, &request.details, &|digest| assets.read(digest))?;
+    if details.is_empty() {
+        return Err(Error::invalid(
+            "details",
+            "neither the request nor the mesh's materials have a detail: give a height map, a vector map or an expression, or choose method flat",
+        ));
+    }
+    if request.method == Method::Displacement {
+        refuse_vectors(&details)?;
+    }
+    Ok(details)
+}
+
+fn refuse_vectors(details: &maps::Details) -> Result<()> {
+    let all = details.of_material.iter().chain([&details.of_none]).flatten();
+    let vectors = |layer: &crate::domain::detail::Layer| {
+        matches!(layer.source, LayerSource::VectorTangent(_) | LayerSource::VectorObject(_))
+    };
+    if all.flat_map(|detail| &detail.layers).any(vectors) {
+        return Err(Error::invalid("method", "displacement moves along the normal and the detail has a vector map: choose method vector"));
+    }
+    Ok(())
+}
+
+/// The detail of every primitive, checked against what the primitive has; meshes get tangents where a detail
+/// in the tangent frame needs them.
+fn fitted(scene: &mut Scene, details: &maps::Details) -> Result<Vec<Vec<Option<Arc<Detail>>>>> {
+    let mut all = Vec::new();
+    let Scene { meshes, warnings, .. } = scene;
+    for scene_mesh in meshes {
+        let of_primitive: Vec<Option<Arc<Detail>>> =
+            scene_mesh.mesh.primitives.iter().map(|p| details.of(p.material).cloned()).collect();
+        for (p, detail) in of_primitive.iter().enumerate() {
+            let Some(detail) = detail else { continue };
+            require_uvs(&scene_mesh.mesh, p, detail)?;
+        }
+        let tangent = of_primitive.iter().flatten().find(|d| {
+            d.layers.iter().any(|layer| matches!(layer.source, LayerSource::VectorTangent(_)))
+        });
+        if let Some(detail) = tangent {
+            scene_mesh.mesh = weld::with_tangents(&scene_mesh.mesh, detail.uv_set)?;
+        }
+        warn_of_terraces(&of_primitive, warnings);
+        all.push(of_primitive);
+    }
+    Ok(all)
+}
+
+fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
+    let reads_uv = |source: &LayerSource| match source {
+        LayerSource::Expression(program) => program.reads_uv(),
+        _ => true,
+    };
+    let semantic = format!("TEXCOORD_{}", detail.uv_set);
+    let has = mesh.attribute(&semantic).is_some_and(|a| a.primitives[primitive]);
+    if has || !detail.layers.iter().any(|layer| reads_uv(&layer.source)) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "details",
+        format!(
+            "mesh '{}' primitive {} has no {semantic}, which the detail reads: unwrap the mesh, choose another UV set, or use an expression over x, y, z",
+            mesh.name, mesh.primitives[primitive].gltf_primitive
+        ),
+    ))
+}
+
+/// An 8-bit height map has 256 levels; stretched over a large scale they show as terraces.
+fn warn_of_terraces(details: &[Option<Arc<Detail>>], warnings: &mut Vec<Warning>) {
+    const CODE: &str = "eight-bit-terraces";
+    let layers = details.iter().flatten().flat_map(|d| &d.layers);
+    let eight_bit = |source: &LayerSource| match source {
+        LayerSource::Height(map) => map.source_bits == 8,
+        _ => false,
+    };
+    let coarse = layers.filter(|l| eight_bit(&l.source)).map(|l| l.scale.abs()).fold(0.0, f32::max);
+    if coarse > 0.0 && !warnings.iter().any(|w| w.code == CODE) {
+        let step = coarse / 255.0;
+        warnings.push(Warning::new(
+            CODE,
+            format!("a height map has 8 bits: heights come in steps of {step} local units and may show as terraces; 16 bits or float avoid it"),
+        ));
+    }
+}
+
+fn plans(scene: &Scene, request: &DisplaceRequest) -> Result<Vec<SurfacePlan>> {
+    let plan = |(index, m): (usize, &crate::domain::scene::SceneMesh)| SurfacePlan::uniform(index, &m.mesh, &request.geometry);
+    scene.meshes.iter().enumerate().map(plan).collect()
+}
