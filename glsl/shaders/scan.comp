@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Prefix sum, last pass: exclusive sums of all items, a workgroup per block of 2048.
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #include "common.glsl"
 #include "pages.glsl"
 #include "scan_block.glsl"
@@ -13,7 +14,7 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 PAGED(0, readonly, uint, items);
-PAGED(1, readonly, uint, block_sums); // exclusive
+PAGED(1, readonly, uint64_t, block_sums); // exclusive
 PAGED(2, writeonly, uint, offsets);
 
 shared uint sums[64];
@@ -43,7 +44,7 @@ void main() {
     sums[lane] = sum;
     barrier();
     scan_sums(lane);
-    uint before = LOAD(block_sums, block) + sums[lane] - sum;
+    uint before = uint(LOAD(block_sums, block)) + sums[lane] - sum;
     for (uint i = first; i < end; ++i) {
         STORE(offsets, i, before);
         before += LOAD(items, i);

@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Params {
     uint count; // blocks
 } params;
 
-PAGED(0, , uint, block_sums);
+PAGED(0, , uint64_t, block_sums);
 PAGED(1, writeonly, uint, total);
 
 shared uint64_t sums[64];
@@ -38,8 +38,8 @@ void main() {
         STORE(total, 1u, uint(all >> 32));
     }
     for (uint i = first; i < end; ++i) {
-        uint value = LOAD(block_sums, i);
-        STORE(block_sums, i, uint(before));
+        uint64_t value = LOAD(block_sums, i);
+        STORE(block_sums, i, before);
         before += value;
     }
 }

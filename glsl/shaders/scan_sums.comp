@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Prefix sum, first of three passes: the sum of each block of 2048 items, a workgroup per block.
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #include "common.glsl"
 #include "pages.glsl"
 #include "scan_block.glsl"
@@ -13,9 +14,9 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 PAGED(0, readonly, uint, items);
-PAGED(1, writeonly, uint, block_sums);
+PAGED(1, writeonly, uint64_t, block_sums);
 
-shared uint sums[64];
+shared uint64_t sums[64];
 
 void main() {
     uint block = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
@@ -24,10 +25,10 @@ void main() {
     }
     uint lane = gl_LocalInvocationID.x;
     uint first = block * ITEMS_PER_BLOCK + lane;
-    uint sum = 0u;
+    uint64_t sum = 0ul;
     for (uint k = 0u; k < ITEMS_PER_THREAD; ++k) {
         uint i = first + k * 64u;
-        sum += i < params.count ? LOAD(items, i) : 0u;
+        sum += i < params.count ? uint64_t(LOAD(items, i)) : 0ul;
     }
     sums[lane] = sum;
     barrier();

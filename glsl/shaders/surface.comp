@@ -90,7 +90,7 @@ void main() {
     mat3 position;
     mat3 normal;
     mat3x2 uv;
-    mat3x4 color = mat3x4(vec4(1.0), vec4(1.0), vec4(1.0));
+    mat3x4 color;
     for (int k = 0; k < 3; ++k) {
         position[k] = LOAD(positions, v[k]);
         normal[k] = LOAD(normals, v[k]);
@@ -106,5 +106,6 @@ void main() {
     vec3 place = mapped(row + WORLD_ROW, vec4(position * b.at, 1.0));
     STORE(points, i, SurfacePoint(
         fragment.id, part.material, fragment.extra, place, back ? -n : n, uv * b.at, uv * b.dx, uv * b.dy));
-    STORE(point_colors, i, color * b.at);
+    // The weights add up to 1 only up to rounding: white must stay white.
+    STORE(point_colors, i, (part.flags & PART_COLORED) != 0u ? color * b.at : vec4(1.0));
 }

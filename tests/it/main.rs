@@ -4,6 +4,7 @@ mod cli;
 mod corpus;
 mod determinism;
 mod passes;
+mod raster;
 mod service;
 mod tidy;
 mod vulkan;

@@ -25,7 +25,7 @@ pub struct Scan {
 impl Scan {
     pub fn new(device: &Arc<Device>, capacity: u64) -> Result<Self> {
         Ok(Self {
-            block_sums: Stream::new(device, "scan block sums", 4, capacity.div_ceil(SCAN_BLOCK).max(1))?,
+            block_sums: Stream::new(device, "scan block sums", 8, capacity.div_ceil(SCAN_BLOCK).max(1))?,
             total: Stream::from_slice(device, "scan total", &[0u32; 2])?,
         })
     }

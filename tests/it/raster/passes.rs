@@ -1,0 +1,173 @@
+//! Single passes of the rasteriser against their f64 twins.
+
+use displace_glsl::{
+    SHADERS,
+    layout::raster::{Fragment, MipParams, Part, SurfaceParams, SurfacePoint},
+    reference::{mip::Level, scan::exclusive_sums, surface::barycentrics, transform::homogeneous},
+};
+use displace_server::{
+    domain::cancel::{Cancel, NoProgress},
+    render::scan::Scan,
+    vulkan::{Recorder, Stream},
+};
+use exr::prelude::f16;
+use glam::{DVec2, DVec3};
+use rand::{Rng, SeedableRng, rngs::StdRng};
+
+use super::device;
+
+fn run(record: impl FnOnce(&mut Recorder<'_>)) {
+    let cancel = Cancel::default();
+    let mut recorder = device().recorder(&cancel, &NoProgress);
+    record(&mut recorder);
+    recorder.finish().expect("runs");
+}
+
+#[test]
+fn prefix_sums_are_exact_at_every_block_boundary() {
+    for count in [0usize, 1, 63, 64, 2047, 2048, 2049, 131_071, 1 << 22, (1 << 22) + 1] {
+        let mut random = StdRng::seed_from_u64(count as u64);
+        let items: Vec<u32> = (0..count).map(|_| random.random_range(0..1000)).collect();
+        let (expected, expected_total) = exclusive_sums(&items);
+        let (offsets, total) = scan(&items);
+        assert_eq!(total, expected_total, "{count} items");
+        assert!(offsets.iter().map(|&o| u64::from(o)).eq(expected), "{count} items");
+    }
+}
+
+#[test]
+fn a_total_beyond_32_bits_is_told_as_it_is() {
+    assert_eq!(scan(&vec![u32::MAX; 5000]).1, 5000 * u64::from(u32::MAX));
+}
+
+fn scan(items: &[u32]) -> (Vec<u32>, u64) {
+    let count = items.len() as u64;
+    let scan = Scan::new(device(), count).expect("fits");
+    let items = Stream::from_slice(device(), "items", items).expect("fits");
+    let offsets = Stream::new(device(), "offsets", 4, count).expect("fits");
+    run(|recorder| scan.record(recorder, &items, &offsets, count).expect("records"));
+    (offsets.read().expect("reads"), scan.total().expect("reads"))
+}
+
+#[test]
+fn mip_levels_are_the_box_filter_of_the_level_above() {
+    for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 1), (6, 3), (257, 129)] {
+        let mut random = StdRng::seed_from_u64(width as u64);
+        // Values that half floats hold exactly.
+        let texels: Vec<[f64; 4]> =
+            (0..width * height).map(|_| [0; 4].map(|_| f64::from(random.random_range(0..=1024)) / 1024.0)).collect();
+        let level = Level { width, height, texels };
+        let (found, expected) = (coarser(&level), level.coarser().texels);
+        for (found, expected) in found.iter().zip(&expected) {
+            for (found, expected) in found.iter().zip(expected) {
+                // Half an ulp of a half float below 1, and f32 rounding.
+                assert!((found - expected).abs() <= 0.000_25, "{width} x {height}: {found} for {expected}");
+            }
+        }
+    }
+}
+
+fn coarser(level: &Level) -> Vec<[f64; 4]> {
+    let target = [(level.width / 2).max(1), (level.height / 2).max(1)];
+    let pairs = (level.texels.len()).div_ceil(2);
+    let target_pairs = (target[0] * target[1]).div_ceil(2);
+    let mut halves: Vec<u16> = level.texels.iter().flatten().map(|&x| f16::from_f64(x).to_bits()).collect();
+    halves.resize((pairs + target_pairs) * 8, 0);
+    let words: Vec<[u16; 8]> = bytemuck::cast_slice(&halves).to_vec();
+    let texels = Stream::from_slice(device(), "texels", &words).expect("fits");
+    let params = MipParams {
+        count: target_pairs as u32,
+        source_first: 0,
+        target_first: pairs as u32 * 2,
+        source_size: [level.width as u32, level.height as u32],
+        target_size: target.map(|side| side as u32),
+    };
+    let bound = [("texels", &texels)];
+    run(|recorder| recorder.dispatch(&SHADERS.mip, target_pairs as u64, &params, &bound).expect("records"));
+    let halves: Vec<u16> = texels.read_range(pairs as u64..(pairs + target_pairs) as u64).expect("reads");
+    let value = |bits: &u16| f16::from_bits(*bits).to_f64();
+    let all: Vec<[f64; 4]> = halves.chunks(4).map(|t| std::array::from_fn(|k| value(&t[k]))).collect();
+    all[..target[0] * target[1]].to_vec()
+}
+
+/// A perspective triangle in a 512 pixel image, its uvs, and points on it.
+struct Probe {
+    rows: Vec<[f32; 4]>,
+    positions: [[f32; 3]; 3],
+    uvs: [[f32; 2]; 3],
+    at_px: Vec<[f32; 2]>,
+}
+
+impl Probe {
+    fn new() -> Self {
+        let mut rows = vec![[0f32; 4]; 10];
+        // Pixels of a camera at the origin that looks along -z with a field of view of 90 degrees.
+        rows[0] = [256.0, 0.0, -256.0, 0.0];
+        rows[1] = [0.0, -256.0, -256.0, 0.0];
+        rows[2] = [0.0, 0.0, 0.0, 0.01];
+        rows[3] = [0.0, 0.0, -1.0, 0.0];
+        for k in 0..3 {
+            rows[4 + k][k] = 1.0;
+            rows[7 + k][k] = 1.0;
+        }
+        let positions = [[-1.5, -1.0, -2.0], [2.5, -1.2, -4.0], [0.2, 3.0, -5.0]];
+        let uvs = [[0.1, 0.2], [3.9, 0.4], [1.5, 2.7]];
+        let at_px = (0..100).map(|k| [200.0 + (k % 10) as f32 * 9.3, 200.0 + (k / 10) as f32 * 9.7]).collect();
+        Self { rows, positions, uvs, at_px }
+    }
+
+    /// uv at a point of the image, and whether the point is on the triangle.
+    fn uv(&self, at: DVec2) -> (DVec2, bool) {
+        let corners = self.positions.map(|p| {
+            let h = homogeneous(&self.rows, p);
+            DVec3::new(h.x - at.x * h.w, h.y - at.y * h.w, h.w)
+        });
+        let b = barycentrics(corners);
+        let uv = (0..3).map(|k| DVec2::from_array(self.uvs[k].map(f64::from)) * b.at[k]).sum();
+        (uv, b.at.min_element() > 0.0)
+    }
+
+    fn points(&self) -> Vec<SurfacePoint> {
+        let stream = |name: &str, len: usize, bytes: u32| Stream::new(device(), name, bytes, len as u64).expect("fits");
+        let count = self.at_px.len();
+        let fragments: Vec<_> = self.at_px.iter().map(|&at_px| Fragment { id: 0, at_px, extra: 4 }).collect();
+        let points = stream("points", count, 60);
+        let bound = [
+            ("fragments", &Stream::from_slice(device(), "fragments", &fragments).expect("fits")),
+            ("triangles", &Stream::from_slice(device(), "triangles", &[[0u32, 1, 2]]).expect("fits")),
+            ("parts", &Stream::from_slice(device(), "parts", &[Part::default()]).expect("fits")),
+            ("instance_rows", &Stream::from_slice(device(), "rows", &self.rows).expect("fits")),
+            ("positions", &Stream::from_slice(device(), "positions", &self.positions).expect("fits")),
+            ("normals", &Stream::from_slice(device(), "normals", &[[0f32, 0.0, 1.0]; 3]).expect("fits")),
+            ("uvs", &Stream::from_slice(device(), "uvs", &self.uvs).expect("fits")),
+            ("colors", &stream("colors", 0, 16)),
+            ("points", &points),
+            ("point_colors", &stream("point colours", count, 16)),
+        ];
+        let params = SurfaceParams { count: count as u32, part_last: 0 };
+        run(|recorder| recorder.dispatch(&SHADERS.surface, count as u64, &params, &bound).expect("records"));
+        points.read().expect("reads")
+    }
+}
+
+#[test]
+fn derivatives_on_the_device_agree_with_finite_differences() {
+    let probe = Probe::new();
+    let mut compared = 0;
+    for (point, at) in probe.points().iter().zip(&probe.at_px) {
+        let at = DVec2::from_array(at.map(f64::from));
+        let step = 1e-4;
+        let (uv, inside) = probe.uv(at);
+        if !inside {
+            continue;
+        }
+        compared += 1;
+        let difference = |axis: DVec2| (probe.uv(at + axis * step).0 - probe.uv(at - axis * step).0) / (2.0 * step);
+        let pairs = [(point.uv, uv), (point.uv_dx, difference(DVec2::X)), (point.uv_dy, difference(DVec2::Y))];
+        for (found, expected) in pairs {
+            let off = (DVec2::from_array(found.map(f64::from)) - expected).length();
+            assert!(off <= 2e-5 * (1.0 + expected.length()), "at {at}: {found:?} for {expected}");
+        }
+    }
+    assert!(compared > 30, "{compared} points lie on the triangle");
+}
