@@ -80,11 +80,7 @@ vec4 trilinear(Material m, vec2 uv, vec2 dx, vec2 dy) {
     return color;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Material m = LOAD(materials, point.material);
     vec4 color = LOAD(point_colors, i) * m.base_color;
@@ -94,3 +90,5 @@ void main() {
     }
     STORE(point_colors, i, color);
 }
+
+#include "batch.glsl"

@@ -105,11 +105,7 @@ void clip_polygon(uint instance, uvec3 v) {
     }
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint id = LOAD(lists, params.list_first + i);
     FIND_PART(id, params.part_first, params.part_last, part)
     uvec3 v = LOAD(triangles, part.triangle_base + (id - part.first_triangle));
@@ -132,3 +128,5 @@ void main() {
         }
     }
 }
+
+#include "batch.glsl"

@@ -29,11 +29,7 @@ uint id_of(uint64_t key) {
     return key == 0ul ? NOTHING : 0xFFFFFFFFu - uint(key & 0xFFFFFFFFul);
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint width = uint(params.slab_size_px.x);
     vec2 pixel = vec2(params.slab_px + ivec2(i % width, i / width));
     uint ids[4];
@@ -62,3 +58,5 @@ void main() {
         STORE(fragments, place + k, found[k]);
     }
 }
+
+#include "batch.glsl"

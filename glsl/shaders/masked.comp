@@ -24,11 +24,7 @@ PAGED(3, readonly, vec4, point_colors);
 PAGED(4, readonly, Material, materials);
 #include "visibility.glsl"
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     float cutoff = LOAD(materials, LOAD(points, i).material).alpha_cutoff;
     if (LOAD(point_colors, i).a < cutoff) {
         return;
@@ -38,3 +34,5 @@ void main() {
     int s = int((fragment.at_px.y - float(pixel.y)) * 4.0);
     write_visibility(fragment.id, sample_place(pixel, s), fragment.extra);
 }
+
+#include "batch.glsl"

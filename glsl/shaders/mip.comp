@@ -55,13 +55,11 @@ uvec2 packed(vec4 color) {
     return uvec2(packHalf2x16(color.xy), packHalf2x16(color.zw));
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint texels_in_level = params.target_size.x * params.target_size.y;
     uint first = i * 2u;
     uvec2 second = first + 1u < texels_in_level ? packed(filtered(first + 1u)) : uvec2(0u);
     STORE(texels, params.target_first / 2u + i, uvec4(packed(filtered(first)), second));
 }
+
+#include "batch.glsl"

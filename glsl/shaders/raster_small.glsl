@@ -10,11 +10,7 @@ PAGED(6, readonly, uint, lists);
 const int MAX_ROWS = 17;
 const int MAX_PIXELS = 5;
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint id = LOAD(lists, params.list_first + i);
     Triangle32 t = load_triangle(id);
     ivec2 slab_end = params.slab_px + params.slab_size_px;
@@ -35,3 +31,5 @@ void main() {
         }
     }
 }
+
+#include "batch.glsl"

@@ -111,11 +111,7 @@ uint reserve(uint which) {
     return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(active_lanes);
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint id = params.first_triangle + i;
     uint size_class = classify(id);
     // One pass over the lists, so that the lanes that append to one do it together.
@@ -126,3 +122,5 @@ void main() {
         }
     }
 }
+
+#include "batch.glsl"

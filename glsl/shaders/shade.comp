@@ -71,11 +71,7 @@ void write_outputs(uint i, bool something, SurfacePoint point) {
     }
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint fragments = LOAD(pixels, i);
     uint first = fragments >> 3;
     uint number = min(fragments & 7u, 4u);
@@ -97,3 +93,5 @@ void main() {
     STORE(color_out, i, vec4(color, 1.0));
     write_outputs(i, most > 0u && most >= empty, main_point);
 }
+
+#include "batch.glsl"

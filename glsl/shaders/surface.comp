@@ -79,11 +79,7 @@ vec3 unit_or_zero(vec3 v) {
     return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Fragment fragment = LOAD(fragments, i);
     FIND_PART(fragment.id, 0u, params.part_last, part)
     uvec3 v = LOAD(triangles, part.triangle_base + (fragment.id - part.first_triangle));
@@ -109,3 +105,5 @@ void main() {
     // The weights add up to 1 only up to rounding: white must stay white.
     STORE(point_colors, i, (part.flags & PART_COLORED) != 0u ? color * b.at : vec4(1.0));
 }
+
+#include "batch.glsl"

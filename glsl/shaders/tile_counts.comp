@@ -23,11 +23,7 @@ PAGED(1, writeonly, uint, counts);
 
 const uint NO_TRIANGLE = 0xFFFFFFFFu;
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint tiles = 0u;
     if (uint(LOAD(records, i * 3u).w) != NO_TRIANGLE) {
         ivec4 box = tiles_of(load_record(i));
@@ -35,3 +31,5 @@ void main() {
     }
     STORE(counts, i, tiles);
 }
+
+#include "batch.glsl"

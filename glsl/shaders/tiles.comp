@@ -54,11 +54,7 @@ bool meets_tile(Triangle64 t, ivec2 low) {
     return true;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint pair = params.pair_first + i;
     uint record = find_record(pair);
     Triangle64 t = load_record(record);
@@ -69,3 +65,5 @@ void main() {
     bool meets = meets_tile(t, (ivec2(tile) * TILE_PX + params.slab_px) * 256);
     STORE(pairs, i, uvec2(meets ? record : NO_RECORD, tile.x | tile.y << 16));
 }
+
+#include "batch.glsl"

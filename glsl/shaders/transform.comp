@@ -22,11 +22,9 @@ PAGED(2, writeonly, ivec4, screen);
 
 #include "project.glsl"
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     vec4 h = homogeneous(params.instance, LOAD(positions, params.vertex_first + i));
     STORE(screen, params.screen_first + i, screen_vertex(h, params.size_px));
 }
+
+#include "batch.glsl"
