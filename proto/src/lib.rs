@@ -2,7 +2,7 @@
 //! the specification is the comments of `displace/v1/*.proto`.
 
 /// Messages and services of package `displace.v1`.
-#[allow(clippy::all, unreachable_pub, missing_docs, reason = "generated")]
+#[allow(clippy::all, clippy::allow_attributes_without_reason, unreachable_pub, missing_docs, reason = "generated")]
 pub mod v1 {
     tonic::include_proto!("displace.v1");
 }

@@ -2,7 +2,7 @@
 //! killed processes left.
 
 use std::{
-    path::{Path as FilePath, PathBuf},
+    path::Path as FilePath,
     sync::{Weak, atomic::Ordering},
     time::{Duration, SystemTime},
 };
@@ -121,7 +121,7 @@ fn sweep_leftovers(root: &FilePath, ttl: Duration) {
 }
 
 /// `NAME#N` is how the store names a file it has not yet renamed.
-fn is_leftover(root: &FilePath, file: &PathBuf) -> bool {
+fn is_leftover(root: &FilePath, file: &FilePath) -> bool {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     file.starts_with(root.join("staging")) || name.contains('#')
 }
