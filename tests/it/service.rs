@@ -111,7 +111,12 @@ impl Harness {
 }
 
 pub(crate) fn test_config(folder: &tempfile::TempDir) -> Config {
-    Config { store: folder.path().join("store"), cache: folder.path().join("cache"), linger_secs: 1, ..Config::default() }
+    Config {
+        store: folder.path().join("store"),
+        cache: folder.path().join("cache"),
+        linger_secs: 1,
+        ..Config::default()
+    }
 }
 
 pub(crate) fn parts(spy: &Arc<Spy>) -> Parts {
@@ -230,7 +235,8 @@ impl Work for ScriptWork {
             _ => {}
         }
         context.progress.pass("displace", 2, 2);
-        let bytes = self.argument("make").map_or_else(|| self.script.clone().into_bytes(), |bytes| vec![1; bytes as usize]);
+        let bytes =
+            self.argument("make").map_or_else(|| self.script.clone().into_bytes(), |bytes| vec![1; bytes as usize]);
         let output = Output { name: "mesh.glb".into(), media_type: "model/gltf-binary".into(), bytes: bytes.into() };
         Ok(WorkOutput { report, outputs: vec![output] })
     }

@@ -53,7 +53,8 @@ async fn reflection_lists_all_services_in_both_versions() {
     let names: Vec<String> = list.service.into_iter().map(|service| service.name).collect();
     assert!(expected.iter().all(|name| names.iter().any(|other| other == name)), "{names:?}");
 
-    let symbol = v1alpha::server_reflection_request::MessageRequest::FileContainingSymbol("google.rpc.BadRequest".into());
+    let symbol =
+        v1alpha::server_reflection_request::MessageRequest::FileContainingSymbol("google.rpc.BadRequest".into());
     let request = v1alpha::ServerReflectionRequest { host: String::new(), message_request: Some(symbol) };
     let mut client = v1alpha::server_reflection_client::ServerReflectionClient::new(harness.channel.clone());
     let mut answers = client.server_reflection_info(tokio_stream::once(request)).await.unwrap().into_inner();
@@ -103,7 +104,9 @@ async fn a_deadline_ends_a_stream_with_deadline_exceeded() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_deadline_ends_an_upload_with_deadline_exceeded() {
     let harness = Harness::start().await;
-    let stalled = futures::stream::once(async { v1::WriteRequest { name: super::name_of(&super::digest_of(b"x")), ..Default::default() } });
+    let stalled = futures::stream::once(async {
+        v1::WriteRequest { name: super::name_of(&super::digest_of(b"x")), ..Default::default() }
+    });
     let mut request = Request::new(futures::StreamExt::chain(stalled, futures::stream::pending()));
     // Only the server's timer counts: the client's own would answer by itself.
     request.metadata_mut().insert("grpc-timeout", "200m".parse().unwrap());
@@ -115,7 +118,11 @@ async fn a_deadline_ends_an_upload_with_deadline_exceeded() {
 async fn a_message_above_the_limit_is_refused() {
     let harness = Harness::start().await;
     let bytes = vec![0; 5 << 20];
-    let part = v1::WritePartRequest { name: super::name_of(&super::digest_of(&bytes)), data: bytes.into(), ..Default::default() };
+    let part = v1::WritePartRequest {
+        name: super::name_of(&super::digest_of(&bytes)),
+        data: bytes.into(),
+        ..Default::default()
+    };
     let status = harness.assets().write_part(part).await.unwrap_err();
     assert_eq!(status.code(), Code::OutOfRange);
 }

@@ -125,7 +125,8 @@ async fn parts_by_unary_calls_and_by_stream_continue_each_other() {
     let bytes = noise(600_000);
     let name = name_of(&digest_of(&bytes));
     let mut assets = harness.assets();
-    let part = v1::WritePartRequest { name: name.clone(), data: bytes[..300_000].to_vec().into(), ..Default::default() };
+    let part =
+        v1::WritePartRequest { name: name.clone(), data: bytes[..300_000].to_vec().into(), ..Default::default() };
     assert_eq!(assets.write_part(part).await.unwrap().into_inner().committed_bytes, 300_000);
     assert!(write(&mut assets, parts(&name, &bytes, 300_000, true)).await.unwrap().complete);
 }
