@@ -14,31 +14,36 @@ use crate::error::{Error, Kind, Result};
 /// Where an output goes; checked before any work is done.
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
+    /// As the user named it.
+    named: PathBuf,
+    /// The file itself, behind links.
     path: PathBuf,
     /// A pipe or a device is written to directly: it cannot be replaced.
     direct: bool,
 }
 
 impl Target {
-    pub(crate) fn new(path: &Path) -> Result<Self> {
-        let refuse = |message: String| Error::usage("--output", format!("{} {message}", path.display()));
-        if path.as_os_str().is_empty() || path == Path::new("-") {
+    pub(crate) fn new(named: &Path) -> Result<Self> {
+        let refuse = |message: String| Error::usage("--output", format!("{} {message}", named.display()));
+        if named.as_os_str().is_empty() || named == Path::new("-") {
             return Err(refuse("is no file name; results are files: name one, such as out.glb".to_owned()));
         }
         // Through a link, the file it points to is replaced, not the link.
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let path = named.canonicalize().unwrap_or_else(|_| named.to_owned());
+        let target = |direct| Self { named: named.to_owned(), path: path.clone(), direct };
         match path.metadata() {
             Ok(found) if found.is_dir() => Err(refuse("is a folder; name a file in it".to_owned())),
-            Ok(found) => Ok(Self { direct: !found.is_file(), path }),
+            Ok(found) => Ok(target(!found.is_file())),
             Err(_) if !folder(&path).is_dir() => {
                 Err(refuse(format!("cannot be written: there is no folder {}; make it first", folder(&path).display())))
             }
-            Err(_) => Ok(Self { path, direct: false }),
+            Err(_) => Ok(target(false)),
         }
     }
 
+    /// As the user named it.
     pub(crate) fn path(&self) -> &Path {
-        &self.path
+        &self.named
     }
 
     /// Opens the place where bytes wait for `Pending::finish`.
@@ -60,10 +65,8 @@ impl Target {
     }
 
     fn temporary(&self) -> io::Result<NamedTempFile> {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        let prefix = format!(".{name}.");
         let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".part");
+        builder.prefix(".displace-").suffix(".part");
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -74,7 +77,7 @@ impl Target {
     }
 
     fn failed(&self, cause: &io::Error) -> Error {
-        Error::new(Kind::Io, format!("{} cannot be written: {cause}", self.path.display())).with_field("--output")
+        Error::new(Kind::Io, format!("{} cannot be written: {cause}", self.named.display())).with_field("--output")
     }
 }
 
