@@ -9,55 +9,17 @@ mod process;
 mod store;
 mod usage;
 
-use std::{path::PathBuf, sync::OnceLock};
+use std::path::PathBuf;
 
-use displace_server::{
-    config::Config,
-    service::{Parts, Service},
+use displace_tests::{
+    cli::Run,
+    server::{displace, reference},
 };
-use displace_tests::cli::Run;
 
-/// The address of a server on the reference device, started once for all tests of this process.
-fn server() -> &'static str {
-    static URL: OnceLock<String> = OnceLock::new();
-    URL.get_or_init(|| {
-        let (started, address) = std::sync::mpsc::channel();
-        std::thread::spawn(move || serve(&started));
-        address.recv().expect("the server starts")
-    })
-}
-
-fn serve(started: &std::sync::mpsc::Sender<String>) {
-    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    runtime.block_on(async {
-        let config = Config {
-            listen: "127.0.0.1:0".parse().expect("an address"),
-            store: folder.path().join("store"),
-            cache: folder.path().join("cache"),
-            device: "reference".into(),
-            ..Config::default()
-        };
-        let parts = Parts::standard(&config);
-        let bound = Service::start(config, parts).await.expect("a service").bind().await.expect("a port");
-        started.send(format!("http://{}", bound.address)).expect("a test waits");
-        bound.run(std::future::pending()).await.expect("the server runs");
-    });
-}
-
-/// Runs a command line through the library, without a server.
-fn displace<S: AsRef<str>>(args: &[S]) -> Run {
-    let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
-    let words = std::iter::once("displace").chain(args.iter().map(AsRef::as_ref));
-    let code = displace_client::run(words, &mut stdout, &mut stderr);
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
-    Run { code: Some(code.into()), stdout: text(stdout), stderr: text(stderr) }
-}
-
-/// The same, against the shared server.
+/// Runs a command line through the library, against the shared server.
 fn remote<S: AsRef<str>>(args: &[S]) -> Run {
     let mut all: Vec<&str> = args.iter().map(AsRef::as_ref).collect();
-    all.extend(["--server", server()]);
+    all.extend(["--server", reference()]);
     displace(&all)
 }
 

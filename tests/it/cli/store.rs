@@ -1,6 +1,8 @@
 //! Assets, and what the server says of itself.
 
-use super::{Folder, displace, keys, remote, report};
+use displace_tests::server::displace;
+
+use super::{Folder, keys, remote, report};
 
 #[test]
 fn an_asset_comes_back_as_it_went() {

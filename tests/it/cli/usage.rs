@@ -1,8 +1,6 @@
 //! What is refused before anything is sent, and what needs no server.
 
-use displace_tests::data::sample;
-
-use super::displace;
+use displace_tests::{data::sample, server::displace};
 
 fn refused(flags: &str, field: &str, parts: &[&str]) {
     let mesh = sample("models/torus.gltf");
