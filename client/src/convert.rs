@@ -67,9 +67,10 @@ pub(crate) fn ply(path: &Path, bytes: &[u8]) -> Result<Converted> {
     Ok(Converted { glb, notes: model.notes })
 }
 
-/// One indexed mesh as GLB; a sentence where it is too large for that.
-pub(crate) fn glb(name: &str, mesh: &Primitive) -> Result<Vec<u8>, String> {
-    glb::write(name, std::slice::from_ref(mesh), &[])
+/// One indexed mesh of one colour (linear RGB) as GLB; a sentence where it is too large for that.
+pub(crate) fn glb(name: &str, mesh: Primitive, [r, g, b]: [f32; 3]) -> Result<Vec<u8>, String> {
+    let material = glb::Material { name: name.to_owned(), base_color_factor: [r, g, b, 1.0], base_color: None };
+    glb::write(name, &[Primitive { material: Some(0), ..mesh }], &[material])
 }
 
 fn stem(path: &Path) -> String {

@@ -1,4 +1,4 @@
-//! The demo's inputs: committed samples (licences in `deploy/licenses`), and two meshes made here.
+//! The demo's inputs: committed samples (licences in `deploy/licenses`), and three meshes made here.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,12 +13,11 @@ macro_rules! sample {
     };
 }
 
-const SAMPLES: [(&str, &[u8]); 9] = [
+const SAMPLES: [(&str, &[u8]); 8] = [
     ("rock_height.png", sample!("maps/rock_height.png")),
     ("rock_color.jpg", sample!("maps/rock_color.jpg")),
     ("abstract_height.png", sample!("maps/abstract_height.png")),
     ("scales_vector.exr", sample!("maps/scales_vector.exr")),
-    ("torus.gltf", sample!("models/torus.gltf")),
     ("Suzanne.gltf", sample!("models/Suzanne/Suzanne.gltf")),
     ("Suzanne.bin", sample!("models/Suzanne/Suzanne.bin")),
     ("Suzanne_BaseColor.png", sample!("models/Suzanne/Suzanne_BaseColor.png")),
@@ -27,10 +26,15 @@ const SAMPLES: [(&str, &[u8]); 9] = [
 
 /// Names and contents.
 pub(super) fn files() -> Result<Vec<(&'static str, Vec<u8>)>> {
-    let made = |name, mesh: &Primitive| glb(name, mesh).map_err(Error::internal);
     let mut files: Vec<_> = SAMPLES.iter().map(|&(name, bytes)| (name, bytes.to_vec())).collect();
-    files.push(("ground.glb", made("ground", &ground(8))?));
-    files.push(("sphere.glb", made("sphere", &sphere(32, 16))?));
+    for (name, mesh, color) in [
+        ("ground.glb", ground(8), [1.0; 3]),
+        ("torus.glb", torus(48, 20), [0.62, 0.25, 0.12]),
+        ("sphere.glb", sphere(32, 16), [0.2, 0.42, 0.3]),
+    ] {
+        let stem = name.trim_end_matches(".glb");
+        files.push((name, glb(stem, mesh, color).map_err(Error::internal)?));
+    }
     Ok(files)
 }
 
@@ -63,6 +67,22 @@ fn sphere(columns: u32, rows: u32) -> Primitive {
     mesh
 }
 
+/// A torus of radii 1 and 0.4 that lies flat; the map repeats 8 times around and 3 times across.
+fn torus(columns: u32, rows: u32) -> Primitive {
+    let mut mesh = Primitive { normals: Some(Vec::new()), uvs: Some(Vec::new()), ..Primitive::default() };
+    for (i, j) in corners(columns, rows) {
+        let around = TAU * f64::from(i % columns) / f64::from(columns);
+        let across = TAU * f64::from(j % rows) / f64::from(rows);
+        let normal = [across.cos() * around.sin(), -across.sin(), across.cos() * around.cos()];
+        let ring = 1.0 + 0.4 * across.cos();
+        let place = [ring * around.sin(), -0.4 * across.sin(), ring * around.cos()];
+        let uv = [8.0 * f64::from(i) / f64::from(columns), 3.0 * f64::from(j) / f64::from(rows)];
+        push(&mut mesh, place, normal, uv);
+    }
+    mesh.triangles = quads(columns, rows).flatten().collect();
+    mesh
+}
+
 fn push(mesh: &mut Primitive, position: [f64; 3], normal: [f64; 3], uv: [f64; 2]) {
     mesh.positions.push(position.map(|c| c as f32));
     mesh.normals.get_or_insert_default().push(normal.map(|c| c as f32));
@@ -90,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_meshes_face_outwards_and_have_no_empty_triangle() {
-        for (mesh, triangles) in [(ground(8), 128), (sphere(32, 16), 2 * 32 * 15)] {
+        for (mesh, triangles) in [(ground(8), 128), (torus(48, 20), 1920), (sphere(32, 16), 2 * 32 * 15)] {
             assert_eq!(mesh.triangles.len(), triangles);
             for triangle in &mesh.triangles {
                 let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));

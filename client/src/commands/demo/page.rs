@@ -41,8 +41,8 @@ pub(super) fn html(scenes: &[Vec<Step>], total_ms: f64) -> String {
 }
 
 const FOOTER: &str = "\
-<footer>Samples: rock by ambientCG (CC0), Suzanne by Norbert Nopper (CC0), abstract map by 3dtextures.me (CC0), torus by the Bevy \
-contributors (MIT or Apache-2.0), scales and other meshes made by Displace.</footer>\n</main>\n</html>\n";
+<footer>Samples: rock by ambientCG (CC0), Suzanne by Norbert Nopper (CC0), abstract map by 3dtextures.me (CC0), \
+scales and the other meshes made by Displace.</footer>\n</main>\n</html>\n";
 
 fn figures(steps: &[Step]) -> String {
     let mut html = "<div class=\"figures\">\n".to_owned();

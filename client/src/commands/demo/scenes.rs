@@ -18,8 +18,8 @@ pub(super) const SCENES: [Scene; 4] = [
         text: "A plane of 128 triangles, its colours alone and with the 16-bit height map that belongs to them. \
                Light and silhouette follow the displaced surface.",
         commands: &[
-            "displace render input/ground.glb --base-color input/rock_color.jpg --orbit 35,28 --size 960x600 -o rock-flat.png",
-            "displace render input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 --orbit 35,28 --size 960x600 -o rock.png",
+            "displace render input/ground.glb --base-color input/rock_color.jpg --orbit 35,30,2.9 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock-flat.png",
+            "displace render input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 --orbit 35,30,2.9 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock.png",
             "displace apply input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 -o rock.glb",
         ],
     },
@@ -28,8 +28,8 @@ pub(super) const SCENES: [Scene; 4] = [
         text: "Detail without a map or texture coordinates: an expression over the position. Hard edges and seams of \
                the texture stay closed.",
         commands: &[
-            "displace render input/Suzanne.gltf --orbit 25,10 --size 960x720 -o suzanne-flat.png",
-            "displace render input/Suzanne.gltf --expr '0.012*sin(70*y)*cos(20*x)' --uniform 3 --orbit 25,10 --size 960x720 -o suzanne.png",
+            "displace render input/Suzanne.gltf --orbit 25,8,3.9 --ambient 0.3 --size 960x720 -o suzanne-flat.png",
+            "displace render input/Suzanne.gltf --expr '0.012*sin(70*y)*cos(20*x)' --uniform 3 --orbit 25,8,3.9 --ambient 0.3 --size 960x720 -o suzanne.png",
             "displace apply input/Suzanne.gltf --expr '0.012*sin(70*y)*cos(20*x)' --uniform 3 -o suzanne.glb",
         ],
     },
@@ -38,8 +38,8 @@ pub(super) const SCENES: [Scene; 4] = [
         text: "A height map across texture seams in both directions. The two sides of a seam are reconciled, so there \
                is no crack to see.",
         commands: &[
-            "displace render input/torus.gltf --height input/abstract_height.png --scale 0.12 --uniform 4 --orbit 20,40 --size 960x720 -o torus.png",
-            "displace apply input/torus.gltf --height input/abstract_height.png --scale 0.12 --uniform 3 -o torus.glb",
+            "displace render input/torus.glb --height input/abstract_height.png --scale 0.1 --uniform 4 --orbit 20,38,4.4 --ambient 0.25 --size 960x720 -o torus.png",
+            "displace apply input/torus.glb --height input/abstract_height.png --scale 0.1 --uniform 3 -o torus.glb",
         ],
     },
     Scene {
@@ -47,8 +47,8 @@ pub(super) const SCENES: [Scene; 4] = [
         text: "Vector displacement: every point moves in all three directions, so scales lean over their neighbours, \
                which no height map can do. Beside the image, its normals.",
         commands: &[
-            "displace render input/sphere.glb --vector input/scales_vector.exr --scale 0.16 --uniform 5 --aov normal --orbit 20,15 --size 960x720 -o scales.png",
-            "displace apply input/sphere.glb --vector input/scales_vector.exr --scale 0.16 --uniform 4 -o scales.glb",
+            "displace render input/sphere.glb --vector input/scales_vector.exr --scale 0.14 --uniform 5 --aov normal --orbit 20,20,4.2 --ambient 0.25 --size 960x720 -o scales.png",
+            "displace apply input/sphere.glb --vector input/scales_vector.exr --scale 0.14 --uniform 4 -o scales.glb",
         ],
     },
 ];
