@@ -92,7 +92,7 @@ fn every_shader_and_proto_begins_with_a_comment() {
     let mut files = files_with(&repository().join("glsl/shaders"), &["comp", "glsl"]);
     files.extend(files_with(&repository().join("proto/displace"), &["proto"]));
     assert!(!files.is_empty());
-    let silent = files.into_iter().filter(|file| !text(file).lines().take(3).any(|line| line.starts_with("//")));
+    let silent = files.into_iter().filter(|file| !text(file).lines().take(8).any(|line| line.starts_with("//")));
     assert_none(
         &silent
             .map(|file| format!("{}: no comment in its first lines says what it does", show(&file)))
