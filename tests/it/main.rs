@@ -1,8 +1,8 @@
 //! The one integration binary: one module per topic, all over the harness in `tests/src`.
-
 mod cli;
 mod corpus;
 mod determinism;
+mod gltf;
 mod passes;
 mod raster;
 mod service;

@@ -101,7 +101,10 @@ impl Entry {
     }
 
     fn expect_of(&self, main: &str) -> Expect {
-        let text = self.expect_by_main.get(main).unwrap_or(&self.expect);
+        // The index names the files of an entry by the end of their stems: `00` is `Compatibility_00.gltf`.
+        let stem = main.rsplit_once('.').map_or(main, |(stem, _)| stem);
+        let own = self.expect_by_main.iter().find(|(name, _)| main == name.as_str() || stem.ends_with(name.as_str()));
+        let text = own.map_or(&self.expect, |(_, expect)| expect);
         match text.as_str() {
             "accept" => Expect::Accept,
             "reject" => Expect::Reject,

@@ -13,4 +13,5 @@ pub mod invariants;
 pub mod maps;
 pub mod meshes;
 pub mod server;
+pub mod subdivided;
 pub mod surfaces;

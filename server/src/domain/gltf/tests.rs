@@ -1,3 +1,5 @@
+//! Loading and writing of small files made here, sound and damaged.
+
 use bytes::Bytes;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -90,10 +92,12 @@ fn a_quad_loads_with_its_material_instance_and_a_warning_for_the_missing_image()
 
 #[test]
 fn errors_name_the_json_path() {
-    let at = |path: &'static str, value: Value| {
-        refusal(move |document| *document.pointer_mut(path).expect("there") = value)
-    };
-    assert!(at("/meshes/0/primitives/0/attributes/POSITION", json!(9)).starts_with("meshes[0].primitives[0].attributes.POSITION: accessors[9]"));
+    let at =
+        |path: &'static str, value: Value| refusal(move |document| *document.pointer_mut(path).expect("there") = value);
+    assert!(
+        at("/meshes/0/primitives/0/attributes/POSITION", json!(9))
+            .starts_with("meshes[0].primitives[0].attributes.POSITION: accessors[9]")
+    );
     assert!(at("/accessors/3/count", json!(7)).starts_with("accessors[3]: 7 elements from byte 0 need 14 bytes"));
     assert!(at("/accessors/1/byteOffset", json!(50)).starts_with("accessors[1]: byteOffset 50 is not a multiple"));
     assert!(at("/accessors/1/count", json!(3)).contains("has 3 elements and POSITION 4"));
@@ -101,8 +105,13 @@ fn errors_name_the_json_path() {
     assert!(at("/buffers/0/byteLength", json!(4000)).starts_with("buffers[0]: byteLength is 4000"));
     assert!(at("/nodes/0/mesh", json!(1)).starts_with("nodes[0].mesh: meshes[1] does not exist"));
     assert!(at("/asset/version", json!("3.0")).contains("glTF version 3"));
-    assert!(at("/materials/0/normalTexture/index", json!(5)).starts_with("materials[0].normalTexture.index: textures[5]"));
-    assert!(at("/accessors/0/count", json!(4_000_000_000u32)).contains("need 48000000000 bytes") || cfg!(not(target_pointer_width = "64")));
+    assert!(
+        at("/materials/0/normalTexture/index", json!(5)).starts_with("materials[0].normalTexture.index: textures[5]")
+    );
+    assert!(
+        at("/accessors/0/count", json!(4_000_000_000u32)).contains("need 48000000000 bytes")
+            || cfg!(not(target_pointer_width = "64"))
+    );
 }
 
 #[test]
@@ -110,7 +119,10 @@ fn an_index_out_of_range_and_a_coordinate_that_is_not_finite_are_refused() {
     let (document, mut bin) = quad();
     bin[130] = 77;
     let error = load(&glb(&document, &bin), &|_| None, &Limits::default()).expect_err("refused");
-    assert_eq!(error.to_string(), "meshes[0].primitives[0].indices: index 77 (number 1) is out of range; the primitive has 4 vertices");
+    assert_eq!(
+        error.to_string(),
+        "meshes[0].primitives[0].indices: index 77 (number 1) is out of range; the primitive has 4 vertices"
+    );
     let (document, mut bin) = quad();
     bin[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
     let error = load(&glb(&document, &bin), &|_| None, &Limits::default()).expect_err("refused");
@@ -225,7 +237,8 @@ fn a_round_trip_at_level_0_keeps_geometry_material_and_extras() {
     assert_eq!(again.document["asset"]["copyright"], "us");
     assert_eq!(again.document["accessors"].as_array().map(Vec::len), Some(5), "the old accessors are gone");
     // The missing normal map has become one flat pixel inside the file.
-    let image = crate::domain::maps::decode("image", again.images[0].bytes.as_ref().expect("embedded")).expect("decodes");
+    let image =
+        crate::domain::maps::decode("image", again.images[0].bytes.as_ref().expect("embedded")).expect("decodes");
     assert_eq!((image.width, image.texels([0, 1, 2], |_, v| (v * 255.0).round())), (1, vec![128.0, 128.0, 255.0]));
     assert_eq!(rewritten(&scene).bytes, written.bytes, "the same bytes again");
 }
@@ -305,8 +318,12 @@ proptest! {
 
 fn collect_paths(value: &Value, path: String, paths: &mut Vec<String>) {
     match value {
-        Value::Object(object) => object.iter().for_each(|(key, value)| collect_paths(value, format!("{path}/{key}"), paths)),
-        Value::Array(list) => list.iter().enumerate().for_each(|(i, value)| collect_paths(value, format!("{path}/{i}"), paths)),
+        Value::Object(object) => {
+            object.iter().for_each(|(key, value)| collect_paths(value, format!("{path}/{key}"), paths))
+        }
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(i, value)| collect_paths(value, format!("{path}/{i}"), paths))
+        }
         _ => paths.push(path.clone()),
     }
     if !path.is_empty() {

@@ -1,3 +1,5 @@
+//! Welding seen from outside: counts, invariants, and that the order of the triangles does not matter.
+
 //! What welding promises, on small meshes.
 
 use super::*;
