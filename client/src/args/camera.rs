@@ -18,7 +18,7 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) look_at: Option<[f32; 3]>,
     /// Vertical field of view, 1 to 170 degrees [default: 40]
-    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
     /// Look at the scene's centre from this azimuth and elevation, degrees; the distance frames the scene
     #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = orbit, allow_hyphen_values = true)]

@@ -8,7 +8,7 @@ use super::values::not_negative;
 #[command(next_help_heading = "Geometry")]
 pub(crate) struct GeometryArgs {
     /// Split every triangle into 4^LEVEL, 0 to 12
-    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=12))]
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=12), allow_hyphen_values = true)]
     pub(crate) uniform: Option<u32>,
     /// Refuse a plan with more triangles
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -20,7 +20,7 @@ pub(crate) struct GeometryArgs {
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) seams: SeamsArg,
     /// Width of the ramp that reconciles a seam's sides; 0 is off
-    #[arg(long, value_name = "TEXELS", default_value = "3", value_parser = not_negative)]
+    #[arg(long, value_name = "TEXELS", default_value = "3", value_parser = not_negative, allow_hyphen_values = true)]
     pub(crate) feather: f32,
 }
 

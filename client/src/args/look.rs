@@ -16,6 +16,6 @@ pub(crate) struct LookArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub(crate) light: Option<[f32; 3]>,
     /// Ambient light, linear, 0 to 1 [default: 0.2]
-    #[arg(long, value_name = "A", value_parser = unit_interval)]
+    #[arg(long, value_name = "A", value_parser = unit_interval, allow_hyphen_values = true)]
     pub(crate) ambient: Option<f32>,
 }

@@ -7,7 +7,7 @@ use super::{Folder, keys, remote, report};
 #[test]
 fn an_asset_comes_back_as_it_went() {
     let folder = Folder::new();
-    let large: Vec<u8> = (0..3_000_000u32).map(|i| (i * 2_654_435_761) as u8).collect();
+    let large: Vec<u8> = (0..3_000_000u32).map(|i| i.wrapping_mul(2_654_435_761).to_le_bytes()[3]).collect();
     let files = [folder.file("empty", ""), folder.file("small", "abc"), folder.file("large", &large)];
     let put = report(&[&["assets".to_owned(), "put".to_owned()][..], &files].concat());
     for (asset, file) in put["assets"].as_array().unwrap().iter().zip(&files) {

@@ -44,7 +44,7 @@ fn around_vertex(mesh: &Mesh, av: u32) -> Vec<u32> {
         let other = mesh.triangles[(item / 3) as usize].av[(item % 3) as usize];
         other == av || !crowded && agree(mesh, av, other)
     };
-    corners.iter().copied().filter(shades).collect()
+    in_order(mesh, corners.iter().copied().filter(shades).collect())
 }
 
 fn around_edge(mesh: &Mesh, ae: u32) -> Vec<u32> {
@@ -57,5 +57,15 @@ fn around_edge(mesh: &Mesh, ae: u32) -> Vec<u32> {
         let [a, b] = mesh.ae_av[other as usize];
         other == ae || !crowded && agree(mesh, from, a) && agree(mesh, to, b)
     };
-    sides.iter().copied().filter(shades).collect()
+    in_order(mesh, sides.iter().copied().filter(shades).collect())
+}
+
+/// Sums are taken in the order of what the triangles join, not of their numbers: av ids depend on the
+/// geometry alone, so permuted input gives the same bits.
+fn in_order(mesh: &Mesh, mut items: Vec<u32>) -> Vec<u32> {
+    items.sort_unstable_by_key(|item| {
+        let (av, corner) = (mesh.triangles[(item / 3) as usize].av, (item % 3) as usize);
+        [av[corner], av[(corner + 1) % 3], av[(corner + 2) % 3], *item]
+    });
+    items
 }
