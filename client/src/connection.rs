@@ -48,7 +48,8 @@ pub(crate) struct Connection {
 
 impl Connection {
     pub(crate) async fn open(global: &Global, need: Need) -> Result<Self> {
-        match global.server.as_deref() {
+        // An empty variable is one that is not set.
+        match global.server.as_deref().filter(|server| !server.is_empty()) {
             Some(_) if global.device.is_some() => Err(Error::usage(
                 "--device",
                 "--device chooses the device of the service in this process; a server chooses its own: leave out --device or --server",
@@ -127,20 +128,21 @@ fn endpoint(server: &str) -> Result<Endpoint> {
     if !is_http {
         return Err(refuse("is no http address"));
     }
-    Ok(tuned(endpoint).connect_timeout(Duration::from_secs(5)))
+    Ok(tuned(endpoint)?.connect_timeout(Duration::from_secs(5)))
 }
 
 /// Windows and keep-alive of the service page: a silent peer is found within 30 s, and one stream fills a
 /// connection of 40 ms.
-fn tuned(endpoint: Endpoint) -> Endpoint {
-    endpoint
+fn tuned(endpoint: Endpoint) -> Result<Endpoint> {
+    let named = endpoint
         .user_agent(concat!("displace/", env!("CARGO_PKG_VERSION")))
-        .unwrap_or_else(|_| Endpoint::from_static("http://displace.invalid"))
+        .map_err(|e| Error::internal(format!("the client's own name is refused: {e}")))?;
+    Ok(named
         .initial_stream_window_size(4 << 20)
         .initial_connection_window_size(8 << 20)
         .http2_keep_alive_interval(Duration::from_secs(20))
         .keep_alive_timeout(Duration::from_secs(10))
-        .tcp_nodelay(true)
+        .tcp_nodelay(true))
 }
 
 fn unreachable(server: &str, cause: &tonic::transport::Error) -> Error {
@@ -159,7 +161,7 @@ mod tests {
     #[test]
     fn addresses_may_leave_out_the_scheme() {
         assert_eq!(endpoint("127.0.0.1:7878").unwrap().uri().to_string(), "http://127.0.0.1:7878/");
-        for bad in ["", "https://h:1", "ftp://h", "http://", "a b"] {
+        for bad in [" ", "https://h:1", "ftp://h", "http://", "a b"] {
             let error = endpoint(bad).expect_err(bad);
             assert_eq!(error.field.as_deref(), Some("--server"), "{bad}");
         }

@@ -44,6 +44,7 @@ pub(crate) async fn to_writer(
             Ok(()) if copy.offset < digest.size_bytes => attempts.pause_or(ended_early(digest), None).await?,
             Ok(()) => {}
             Err(Stop::Here(error)) => return Err(error),
+            Err(Stop::ReaderLeft) => return Ok(()),
             Err(Stop::There(status)) => match is_transient(&status) {
                 Some(asked) => attempts.pause_or(failure(&status), asked).await?,
                 None => return Err(failure(&status)),
@@ -67,6 +68,8 @@ fn damaged(digest: &Digest) -> Error {
 /// Which side ended a stream.
 enum Stop {
     Here(Error),
+    /// Whoever reads the pipe written to has enough: no fault.
+    ReaderLeft,
     There(Box<Status>),
 }
 
@@ -93,7 +96,7 @@ impl Copy<'_> {
             if self.offset + data.len() as u64 > digest.size_bytes {
                 return Err(Stop::Here(damaged(digest)));
             }
-            self.writer.write_all(&data).map_err(|e| Stop::Here(unwritable(&e)))?;
+            self.writer.write_all(&data).map_err(|e| unwritable(&e))?;
             self.hasher.update(&data);
             self.offset += data.len() as u64;
             self.bar.set(self.offset);
@@ -102,6 +105,9 @@ impl Copy<'_> {
     }
 }
 
-fn unwritable(cause: &std::io::Error) -> Error {
-    Error::new(Kind::Io, format!("the output cannot be written: {cause}"))
+fn unwritable(cause: &std::io::Error) -> Stop {
+    match cause.kind() {
+        std::io::ErrorKind::BrokenPipe => Stop::ReaderLeft,
+        _ => Stop::Here(Error::new(Kind::Io, format!("the output cannot be written: {cause}"))),
+    }
 }
