@@ -22,11 +22,7 @@ PAGED(7, writeonly, float, values);
 
 #include "site.glsl"
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Site site = site_of(params.lattice, params.block, i + params.start);
     uvec3 from = site.av * params.components;
     uint to = (i + params.to) * params.components;
@@ -35,3 +31,5 @@ void main() {
         STORE(values, to + k, value);
     }
 }
+
+#include "batch.glsl"

@@ -7,7 +7,7 @@ layout(constant_id = 2) const uint BATCH = 1u;
 
 void main() {
     uint group = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
-    for (uint k = 0u; k < BATCH; ++k) {
+    [[dont_unroll]] for (uint k = 0u; k < BATCH; ++k) {
         uint i = (group * BATCH + k) * 64u + gl_LocalInvocationID.x;
         if (i < params.count) {
             element(i);

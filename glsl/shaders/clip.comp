@@ -60,7 +60,7 @@ vec4 cut(vec4 inner, vec4 outer, float inner_distance, float outer_distance) {
 void cut_polygon(int plane) {
     vec4 kept[MAX_CORNERS];
     int n = 0;
-    for (int i = 0; i < corners; ++i) {
+    [[dont_unroll]] for (int i = 0; i < corners; ++i) {
         vec4 a = polygon[i];
         vec4 b = polygon[i + 1 == corners ? 0 : i + 1];
         float da = distance_to(plane, a);
@@ -73,7 +73,7 @@ void cut_polygon(int plane) {
         }
     }
     corners = n;
-    for (int i = 0; i < n; ++i) {
+    [[dont_unroll]] for (int i = 0; i < n; ++i) {
         polygon[i] = kept[i];
     }
 }
@@ -94,13 +94,13 @@ void write_record(uint place, uint id, uint part_flags, ivec3 a, ivec3 b, ivec3 
 
 // Loads the triangle as a polygon in homogeneous pixels, cuts it by all planes and snaps what is left.
 void clip_polygon(uint instance, uvec3 v) {
-    for (int k = 0; k < 3; ++k) {
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         polygon[k] = homogeneous(instance, LOAD(positions, v[k]));
     }
-    for (int plane = 0; plane < 6; ++plane) {
+    [[dont_unroll]] for (int plane = 0; plane < 6; ++plane) {
         cut_polygon(plane);
     }
-    for (int k = 0; k < corners; ++k) {
+    [[dont_unroll]] for (int k = 0; k < corners; ++k) {
         outline[k] = snapped(polygon[k]);
     }
 }
@@ -110,7 +110,7 @@ void element(uint i) {
     FIND_PART(id, params.part_first, params.part_last, part)
     uvec3 v = LOAD(triangles, part.triangle_base + (id - part.first_triangle));
     int flags = 0;
-    for (int k = 0; k < 3; ++k) {
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         ivec4 vertex = LOAD(screen, v[k] + part.screen_base);
         outline[k] = vertex.xyz;
         flags |= vertex.w;
@@ -119,7 +119,7 @@ void element(uint i) {
     if ((uint(flags) & NEEDS_CLIP) != 0u) {
         clip_polygon(part.instance, v);
     }
-    for (int piece = 0; piece < MAX_PIECES; ++piece) {
+    [[dont_unroll]] for (int piece = 0; piece < MAX_PIECES; ++piece) {
         uint place = (i * uint(MAX_PIECES) + uint(piece)) * 3u;
         if (piece + 2 < corners) {
             write_record(place, id, part.flags, outline[0], outline[piece + 1], outline[piece + 2]);

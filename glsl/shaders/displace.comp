@@ -18,11 +18,7 @@ PAGED(1, readonly, vec4, base_direction_v);
 PAGED(2, readonly, float, texels);
 PAGED(3, , vec3, positions);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.first;
     vec4 position_u = LOAD(base_position_u, i);
     vec4 direction_v = LOAD(base_direction_v, i);
@@ -46,3 +42,5 @@ void main() {
     precise vec3 position = from + direction_v.xyz * height;
     STORE(positions, i, position);
 }
+
+#include "batch.glsl"

@@ -21,11 +21,7 @@ PAGED(1, readonly, vec4, base_direction_v);
 PAGED(2, readonly, vec3, base_normals);
 PAGED(4, , vec3, positions);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.first;
     vec4 position_u = LOAD(base_position_u, i);
     vec4 direction_v = LOAD(base_direction_v, i);
@@ -34,9 +30,13 @@ void main() {
         normal = LOAD(base_normals, i);
     }
     vec2 uv = texel_space(params.layer, vec2(position_u.w, direction_v.w));
-    float value = evaluate(params.layer.first, params.layer.row, uv, position_u.xyz, normal);
+    float variables[8] =
+        float[8](uv.x, uv.y, position_u.x, position_u.y, position_u.z, normal.x, normal.y, normal.z);
+    float value = evaluate(params.layer.first, params.layer.row, variables);
     precise float height = (value - params.layer.midlevel) * params.layer.scale;
     vec3 from = params.accumulate == 0u ? position_u.xyz : LOAD(positions, i);
     precise vec3 position = from + direction_v.xyz * height;
     STORE(positions, i, position);
 }
+
+#include "batch.glsl"

@@ -21,12 +21,12 @@ PAGED(3, readonly, vec4, base_tangents);
 PAGED(4, readonly, float, texels);
 PAGED(5, , vec3, positions);
 
-vec3 texel(uint at) {
+vec3 texel(const uint at) {
     uint i = params.layer.first + 3u * at;
     return vec3(LOAD(texels, i), LOAD(texels, i + 1u), LOAD(texels, i + 2u));
 }
 
-vec3 bilinear(vec2 p) {
+vec3 bilinear(const vec2 p) {
     vec2 corner = floor(p);
     precise vec2 f = p - corner;
     ivec2 c = ivec2(corner);
@@ -40,11 +40,7 @@ vec3 bilinear(vec2 p) {
     return value;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.first;
     vec4 position_u = LOAD(base_position_u, i);
     vec4 direction_v = LOAD(base_direction_v, i);
@@ -60,3 +56,5 @@ void main() {
     precise vec3 position = from + vector;
     STORE(positions, i, position);
 }
+
+#include "batch.glsl"

@@ -16,11 +16,7 @@ layout(push_constant, scalar) uniform Params {
 
 PAGED(8, readonly, vec3, av_correction);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Sample place = LOAD(samples, i);
     if (place.detail == NONE) {
         return;
@@ -29,3 +25,5 @@ void main() {
     mat3 hats = jet(site.b, LOAD(av_correction, site.av.x), LOAD(av_correction, site.av.y), LOAD(av_correction, site.av.z));
     add_jet(i, place, hats, true);
 }
+
+#include "batch.glsl"

@@ -20,7 +20,7 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 // Value and slopes by texel-space p.
-vec3 map_jet(Layer layer, vec2 p) {
+vec3 map_jet(const Layer layer, const vec2 p) {
     vec2 corner = floor(p - 0.5);
     vec2 g = p - 0.5 - corner;
     ivec2 c = ivec2(corner);
@@ -37,11 +37,7 @@ vec3 map_jet(Layer layer, vec2 p) {
     return sum;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Sample place = LOAD(samples, i);
     if (place.detail != params.detail) {
         return;
@@ -54,3 +50,5 @@ void main() {
     vec3 height = layer.scale * vec3(h.x - layer.midlevel, h.y * x.yz + h.z * y.yz);
     add_jet(i, place, product(height, frame.direction), params.accumulate != 0u);
 }
+
+#include "batch.glsl"

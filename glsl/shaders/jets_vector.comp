@@ -20,7 +20,7 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 // Value and slopes of the three channels by texel-space p.
-mat3 map_jet(Layer layer, vec2 p) {
+mat3 map_jet(const Layer layer, const vec2 p) {
     vec2 corner = floor(p - 0.5);
     vec2 g = p - 0.5 - corner;
     ivec2 c = ivec2(corner);
@@ -43,7 +43,7 @@ mat3 map_jet(Layer layer, vec2 p) {
 }
 
 // Unit tangent and bitangent, made perpendicular to the normal.
-void tangents_at(Site site, mat3 normal, out mat3 tangent, out mat3 bitangent) {
+void tangents_at(const Site site, const mat3 normal, out mat3 tangent, out mat3 bitangent) {
     vec4 t0 = tangent_of(site.av.x), t1 = tangent_of(site.av.y), t2 = tangent_of(site.av.z);
     mat3 t = jet(site.b, t0.xyz, t1.xyz, t2.xyz);
     mat3 q = t - product(dot_jet(normal, t), normal);
@@ -53,11 +53,7 @@ void tangents_at(Site site, mat3 normal, out mat3 tangent, out mat3 bitangent) {
     bitangent = handedness * cross_jet(normal, tangent);
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Sample place = LOAD(samples, i);
     if (place.detail != params.detail) {
         return;
@@ -77,3 +73,5 @@ void main() {
     }
     add_jet(i, place, vector, params.accumulate != 0u);
 }
+
+#include "batch.glsl"

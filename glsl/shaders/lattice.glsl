@@ -28,17 +28,17 @@ struct BaseEdge {
 };
 
 // Fine vertices inside one base triangle; 0 for n of 1 and 2.
-uint interior_points(uint n) {
+uint interior_points(const uint n) {
     return (n - 1u) * (n - 2u) / 2u;
 }
 
 // Rank of (i, j), i, j >= 1, i + j < n: rows of constant j in rising i.
-uint interior_rank(uint n, uint i, uint j) {
+uint interior_rank(const uint n, const uint i, const uint j) {
     return (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + (i - 1u);
 }
 
 // The inverse of interior_rank: a square root, then exact steps.
-uvec2 interior_point(uint n, uint rank) {
+uvec2 interior_point(const uint n, const uint rank) {
     uint m = 2u * n - 3u;
     uint k = (m - uint(ceil(sqrt(float(m * m - 8u * rank))))) / 2u;
     uint first = k * (m - k) / 2u;
@@ -55,7 +55,7 @@ uvec2 interior_point(uint n, uint rank) {
 }
 
 // Fine vertex number of lattice point (i, j) of base triangle t: barycentrics (n − i − j, i, j) / n.
-uint fine_vertex(Lattice lattice, BaseTriangle triangle, uint t, uint i, uint j) {
+uint fine_vertex(const Lattice lattice, const BaseTriangle triangle, const uint t, const uint i, const uint j) {
     uint n = 1u << lattice.level;
     uint k = n - i - j;
     if (i > 0u && j > 0u && k > 0u) {

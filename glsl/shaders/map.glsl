@@ -33,7 +33,7 @@ const uint EXPRESSION = 3u;
 // Texel space is cut off where f32 no longer tells texels apart.
 const float FARTHEST_TEXEL = 8388608.0;
 
-vec2 texel_space(Layer layer, vec2 uv) {
+vec2 texel_space(const Layer layer, const vec2 uv) {
     precise vec2 p = vec2(
         layer.texel_from_u.x * uv.x + layer.texel_from_u.y * uv.y + layer.texel_from_u.z,
         layer.texel_from_v.x * uv.x + layer.texel_from_v.y * uv.y + layer.texel_from_v.z
@@ -41,7 +41,7 @@ vec2 texel_space(Layer layer, vec2 uv) {
     return clamp(p, -FARTHEST_TEXEL, FARTHEST_TEXEL);
 }
 
-int wrapped(MapAxis axis, int i) {
+int wrapped(const MapAxis axis, int i) {
     i = clamp(i, axis.low, axis.high);
     int r = i - int(floor(float(i) * axis.inverse_period)) * axis.period;
     r += r < 0 ? axis.period : 0;

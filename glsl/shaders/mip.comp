@@ -40,8 +40,8 @@ vec4 filtered(uint texel) {
     vec3 wx = weights(at.x, params.source_size.x, params.target_size.x);
     vec3 wy = weights(at.y, params.source_size.y, params.target_size.y);
     vec4 sum = vec4(0.0);
-    for (uint y = 0u; y < 3u; ++y) {
-        for (uint x = 0u; x < 3u; ++x) {
+    [[dont_unroll]] for (uint y = 0u; y < 3u; ++y) {
+        [[dont_unroll]] for (uint x = 0u; x < 3u; ++x) {
             float weight = wx[x] * wy[y];
             if (weight > 0.0) {
                 sum += weight * source_texel(at.x * 2u + x, at.y * 2u + y);

@@ -27,7 +27,7 @@ PAGED(10, writeonly, vec3, normals);
 
 // Unit normal of the displaced triangle at a sample, on the side of the shading normal; zero where there
 // is none. Sets `base` to the shading normal there.
-vec3 displaced_normal(uint i, inout bool moved, out vec3 base) {
+vec3 displaced_normal(const uint i, inout bool moved, out vec3 base) {
     Sample place = LOAD(samples, i);
     mat3 d = LOAD(jets, i);
     vec3 b = vec3(1.0 - place.b.x - place.b.y, place.b);
@@ -47,7 +47,7 @@ vec3 displaced_normal(uint i, inout bool moved, out vec3 base) {
 }
 
 // First and last + 1 sample of a vertex; `vertex` is its fine number.
-uvec2 samples_of(uint index, out uint vertex) {
+uvec2 samples_of(const uint index, out uint vertex) {
     uint n = 1u << params.lattice.level;
     if (params.block == CORNERS) {
         vertex = index;
@@ -67,11 +67,7 @@ uvec2 samples_of(uint index, out uint vertex) {
     return items * (n - 1u) + point - params.first_sample;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint vertex;
     uvec2 range = samples_of(i + params.start, vertex);
     uint stride = params.block == EDGES ? (1u << params.lattice.level) - 1u : 1u;
@@ -88,3 +84,5 @@ void main() {
     float size = length(sum);
     STORE(normals, vertex, moved && size > 1e-6 ? sum / size : base);
 }
+
+#include "batch.glsl"

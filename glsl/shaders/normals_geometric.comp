@@ -26,14 +26,14 @@ const uvec2 NEIGHBOURS[7] = uvec2[7](
 );
 
 // Sum of the facets of base triangle t around lattice point ij, on the side of the shading normals.
-vec3 facets_around(uint t, uvec2 ij) {
+vec3 facets_around(const uint t, const uvec2 ij) {
     uint n = 1u << params.lattice.level;
     BaseTriangle triangle = LOAD(base_triangles, t);
     vec3 sum = vec3(0.0);
     vec3 centre = vec3(0.0);
     vec3 before = vec3(0.0);
     bool before_inside = false;
-    for (int k = -1; k < 7; ++k) {
+    [[dont_unroll]] for (int k = -1; k < 7; ++k) {
         // Off the triangle an unsigned coordinate wraps and fails the test.
         uvec2 at = k < 0 ? ij : ij + NEIGHBOURS[max(k, 0)] - 1u;
         bool inside = at.x <= n && at.y <= n && at.x + at.y <= n;
@@ -57,7 +57,7 @@ vec3 facets_around(uint t, uvec2 ij) {
 }
 
 // Facets of one base triangle around the vertex: `item` is its corner, or its side at point `along`.
-vec3 facets_of(uint item, uint along) {
+vec3 facets_of(const uint item, uint along) {
     uint n = 1u << params.lattice.level;
     uint t = item / 3u;
     uint k = item - 3u * t;
@@ -67,20 +67,16 @@ vec3 facets_of(uint item, uint along) {
     return facets_around(t, k == 0u ? uvec2(along, 0u) : (k == 1u ? uvec2(left, along) : uvec2(0u, left)));
 }
 
-vec3 gathered(uint list, uint along) {
+vec3 gathered(const uint list, const uint along) {
     vec3 sum = vec3(0.0);
     uint end = LOAD(contribution_first, list + 1u);
-    for (uint item = LOAD(contribution_first, list); item < end; ++item) {
+    [[dont_unroll]] for (uint item = LOAD(contribution_first, list); item < end; ++item) {
         sum += facets_of(LOAD(contributions, item), along);
     }
     return sum;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint n = 1u << params.lattice.level;
     vec3 sum;
     if (params.block == INTERIORS) {
@@ -96,3 +92,5 @@ void main() {
     float size = length(sum);
     STORE(normals, i + params.first, size > 0.0 && size < 3e38 ? sum / size : normalize(base));
 }
+
+#include "batch.glsl"

@@ -12,11 +12,11 @@ const uint MAX_PAGES = 16u;
     layout(set = 0, binding = BINDING, scalar) ACCESS buffer NAME##_block { TYPE data[]; } NAME[MAX_PAGES]
 
 // The page number is masked because drivers bound reads within a buffer, not reads past an array of buffers.
-uint page_of(uint i) {
+uint page_of(const uint i) {
     return PAGED_STREAMS == 0u ? 0u : (i >> PAGE_SHIFT) & (MAX_PAGES - 1u);
 }
 
-uint slot_of(uint i) {
+uint slot_of(const uint i) {
     return PAGED_STREAMS == 0u ? i : i & PAGE_MASK;
 }
 

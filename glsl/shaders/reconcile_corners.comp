@@ -22,16 +22,16 @@ PAGED(6, , uint, counters);
 
 const uint MISMATCH = 2u;
 
-vec3 candidate(uint at) {
+vec3 candidate(const uint at) {
     return LOAD(jets, at)[0];
 }
 
-bool is_distinct(Seam seam, uint rank) {
+bool is_distinct(const Seam seam, const uint rank) {
     return LOAD(seam_corners, seam.first + rank).same_as == rank;
 }
 
 // Largest distance between two candidates.
-float mismatch(Seam seam) {
+float mismatch(const Seam seam) {
     float worst = 0.0;
     for (uint a = 1u; a < seam.count; ++a) {
         for (uint b = 0u; b < (is_distinct(seam, a) ? a : 0u); ++b) {
@@ -42,11 +42,7 @@ float mismatch(Seam seam) {
     return worst;
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Seam seam = LOAD(seam_vertices, i);
     vec3 displacement = vec3(0.0);
     for (uint rank = 0u; rank < seam.count; ++rank) {
@@ -62,3 +58,5 @@ void main() {
     }
     atomicMax(ELEMENT(counters, MISMATCH), floatBitsToUint(mismatch(seam)));
 }
+
+#include "batch.glsl"

@@ -25,11 +25,7 @@ PAGED(10, , uint, counters);
 
 const uint MISMATCH = 2u;
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.start;
     uint points = (1u << params.lattice.level) - 1u;
     uint list = i / points;
@@ -56,3 +52,5 @@ void main() {
     }
     atomicMax(ELEMENT(counters, MISMATCH), floatBitsToUint(worst));
 }
+
+#include "batch.glsl"

@@ -19,11 +19,7 @@ PAGED(7, readonly, Sample, samples);
 PAGED(8, readonly, mat3, jets);
 PAGED(9, writeonly, vec3, positions);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     uint n = 1u << params.lattice.level;
     uint points = interior_points(n);
     uint list = (i + params.start) / points;
@@ -35,3 +31,5 @@ void main() {
     precise vec3 position = base + LOAD(jets, i)[0];
     STORE(positions, vertex, position);
 }
+
+#include "batch.glsl"

@@ -13,11 +13,9 @@ layout(push_constant, scalar) uniform Params {
 PAGED(0, readonly, vec4, base_position_u);
 PAGED(1, writeonly, vec3, positions);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.first;
     STORE(positions, i, LOAD(base_position_u, i).xyz);
 }
+
+#include "batch.glsl"

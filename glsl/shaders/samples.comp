@@ -38,23 +38,23 @@ const uint OWN = 3u;
 const Sample NOTHING = Sample(uvec3(0u), NONE, vec2(0.0), vec3(0.0), vec2(0.0));
 const vec3 FULL = vec3(1.0, 0.0, 0.0);
 
-Sample corner_sample(uint at) {
+Sample corner_sample(const uint at) {
     SeamSide corner = LOAD(seam_corners, at);
     return Sample(uvec3(corner.id), corner.detail, vec2(0.0), FULL, vec2(1.0));
 }
 
-Sample edge_sample(uint side, float t) {
+Sample edge_sample(const uint side, const float t) {
     SeamSide entry = LOAD(seam_sides, side);
     return Sample(LOAD(base_edges, entry.id).av.xyy, entry.detail, vec2(t, 0.0), FULL, vec2(1.0));
 }
 
 // Component k of the barycentrics, as a jet.
-vec3 weight_jet(vec3 b, uint k) {
+vec3 weight_jet(const vec3 b, const uint k) {
     return k == 0u ? vec3(b.x, -1.0, -1.0) : (k == 1u ? vec3(b.y, 1.0, 0.0) : vec3(b.z, 0.0, 1.0));
 }
 
 // What side `rank` of the seam along `side` adds at b: w (share − own) of its candidate at t.
-Sample ramp_sample(uint t, BaseTriangle triangle, vec3 b) {
+Sample ramp_sample(const uint t, const BaseTriangle triangle, const vec3 b) {
     uint list = LOAD(triangle_correction, t);
     if (list == NONE) {
         return NOTHING;
@@ -82,7 +82,7 @@ Sample ramp_sample(uint t, BaseTriangle triangle, vec3 b) {
 }
 
 // The lattice point of sample `index` of a block of vertices, and its base triangle.
-uvec2 lattice_point(uint index, out uint t) {
+uvec2 lattice_point(const uint index, out uint t) {
     uint n = 1u << params.lattice.level;
     if (params.block == INTERIORS) {
         uint points = interior_points(n);
@@ -105,7 +105,7 @@ uvec2 lattice_point(uint index, out uint t) {
     return k == 0u ? uvec2(along, 0u) : (k == 1u ? uvec2(left, along) : uvec2(0u, left));
 }
 
-Sample sample_at(uint index) {
+Sample sample_at(const uint index) {
     uint n = 1u << params.lattice.level;
     if (params.block == SEAM_CORNERS) {
         return corner_sample(index);
@@ -123,9 +123,8 @@ Sample sample_at(uint index) {
     return ramp_sample(t, triangle, vec3(1.0 - b.x - b.y, b));
 }
 
-void main() {
-    uint i = thread_index();
-    if (i < params.count) {
-        STORE(samples, i, sample_at(i + params.start));
-    }
+void element(uint i) {
+    STORE(samples, i, sample_at(i + params.start));
 }
+
+#include "batch.glsl"

@@ -26,13 +26,13 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint first = block * ITEMS_PER_BLOCK + lane;
     uint64_t sum = 0ul;
-    for (uint k = 0u; k < ITEMS_PER_THREAD; ++k) {
+    [[dont_unroll]] for (uint k = 0u; k < ITEMS_PER_THREAD; ++k) {
         uint i = first + k * 64u;
         sum += i < params.count ? uint64_t(LOAD(items, i)) : 0ul;
     }
     sums[lane] = sum;
     barrier();
-    for (uint width = 32u; width > 0u; width >>= 1) {
+    [[dont_unroll]] for (uint width = 32u; width > 0u; width >>= 1) {
         if (lane < width) {
             sums[lane] += sums[lane + width];
         }

@@ -29,6 +29,6 @@ const uint RULE_MEAN = 0u;
 const uint RULE_DOMINANT = 1u;
 
 // Share of a side with this rank in the reconciled value.
-float share(Seam seam, uint rule, uint rank) {
+float share(const Seam seam, const uint rule, const uint rank) {
     return rule == RULE_MEAN ? 1.0 / float(seam.distinct) : (rank == 0u ? 1.0 : 0.0);
 }

@@ -48,7 +48,7 @@ bool holds_sample(ivec2 low, ivec2 high, int row_first, int row_last) {
     if (row_last - row_first > 2) {
         return true;
     }
-    for (int row = row_first; row <= row_last; ++row) {
+    [[dont_unroll]] for (int row = row_first; row <= row_last; ++row) {
         int x = sample_x(row & 3);
         if (first_pixel(low.x, x) <= last_pixel(high.x, x)) {
             return true;
@@ -115,7 +115,7 @@ void element(uint i) {
     uint id = params.first_triangle + i;
     uint size_class = classify(id);
     // One pass over the lists, so that the lanes that append to one do it together.
-    for (uint list = 0u; list < LISTS; ++list) {
+    [[dont_unroll]] for (uint list = 0u; list < LISTS; ++list) {
         if (size_class == list) {
             uint place = reserve(list);
             STORE(lists, list * params.capacity + place, id);

@@ -7,13 +7,13 @@ struct Site {
 };
 
 // t runs along the ae, so that both sides of a seam blend the same numbers in the same order.
-Site edge_site(uint edge, float t) {
+Site edge_site(const uint edge, const float t) {
     uvec2 av = LOAD(base_edges, edge).av;
     return Site(av.xyy, vec3(1.0 - t, t, 0.0));
 }
 
 // Site of vertex `index` of a block of fine vertices.
-Site site_of(Lattice lattice, uint block, uint index) {
+Site site_of(const Lattice lattice, const uint block, const uint index) {
     uint n = 1u << lattice.level;
     float step = 1.0 / float(n);
     if (block == CORNERS) {

@@ -23,11 +23,7 @@ PAGED(7, writeonly, vec4, base_direction_v);
 PAGED(8, writeonly, vec3, base_normals);
 PAGED(9, writeonly, vec4, base_tangents);
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     Site site = site_of(params.lattice, params.block, i);
     i += params.first;
     vec4 position = blend(site.b, position_u(site.av.x), position_u(site.av.y), position_u(site.av.z));
@@ -52,3 +48,5 @@ void main() {
     vec3 along = dot(q, q) > MIN_TANGENT_SQUARE ? q / length(q) : any_perpendicular(unit);
     STORE(base_tangents, i, vec4(along, tangent.w < 0.0 ? -1.0 : 1.0));
 }
+
+#include "batch.glsl"

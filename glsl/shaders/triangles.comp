@@ -24,7 +24,7 @@ const uint NOT_FINITE = 1u;
 
 // The three lattice points of fine triangle `rank` of n²: rows of constant j, upright and inverted
 // triangles in turn.
-void corners_of(uint n, uint rank, out uvec2 a, out uvec2 b, out uvec2 c) {
+void corners_of(const uint n, const uint rank, out uvec2 a, out uvec2 b, out uvec2 c) {
     uint left = n * n - rank;
     uint rows = uint(ceil(sqrt(float(left))));
     rows -= (rows - 1u) * (rows - 1u) >= left ? 1u : 0u;
@@ -38,11 +38,7 @@ void corners_of(uint n, uint rank, out uvec2 a, out uvec2 b, out uvec2 c) {
     c = uvec2(i, j + 1u);
 }
 
-void main() {
-    uint i = thread_index();
-    if (i >= params.count) {
-        return;
-    }
+void element(uint i) {
     i += params.first;
     uint n = 1u << params.lattice.level;
     uint t = i >> (2u * params.lattice.level);
@@ -67,3 +63,5 @@ void main() {
         atomicAdd(ELEMENT(counters, FLIPPED), 1u);
     }
 }
+
+#include "batch.glsl"

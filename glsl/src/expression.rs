@@ -30,7 +30,8 @@ pub enum Op {
     Negate = 6,
     /// Raises the top to the whole power `value` by a chain of multiplications.
     PowerInteger = 7,
-    Power = 8,
+    /// a² (3 − 2 a): the fade of smoothstep.
+    Smooth = 8,
     Sine = 9,
     Cosine = 10,
     Tangent = 11,
@@ -41,17 +42,16 @@ pub enum Op {
     Floor = 16,
     Modulo = 17,
     Mix = 18,
-    SmoothStep = 19,
-    Step = 20,
-    Sign = 21,
-    Exp2 = 22,
-    Log2 = 23,
-    ArcTangent2 = 24,
-    Noise = 25,
+    Step = 19,
+    Sign = 20,
+    Exp2 = 21,
+    Log2 = 22,
+    ArcTangent2 = 23,
+    Noise = 24,
 }
 
 impl Op {
-    const ALL: [Self; 26] = [
+    const ALL: [Self; 25] = [
         Self::Constant,
         Self::Variable,
         Self::Add,
@@ -60,7 +60,7 @@ impl Op {
         Self::Divide,
         Self::Negate,
         Self::PowerInteger,
-        Self::Power,
+        Self::Smooth,
         Self::Sine,
         Self::Cosine,
         Self::Tangent,
@@ -71,7 +71,6 @@ impl Op {
         Self::Floor,
         Self::Modulo,
         Self::Mix,
-        Self::SmoothStep,
         Self::Step,
         Self::Sign,
         Self::Exp2,
@@ -87,6 +86,7 @@ impl Op {
             Self::Constant | Self::Variable => 0,
             Self::Negate
             | Self::PowerInteger
+            | Self::Smooth
             | Self::Sine
             | Self::Cosine
             | Self::Tangent
@@ -96,7 +96,7 @@ impl Op {
             | Self::Sign
             | Self::Exp2
             | Self::Log2 => 1,
-            Self::Mix | Self::SmoothStep | Self::Noise => 3,
+            Self::Mix | Self::Noise => 3,
             _ => 2,
         }
     }
@@ -202,14 +202,9 @@ pub trait Number: Copy {
         a.add(b.sub(a).mul(t))
     }
 
-    fn smoothstep(e0: Self, e1: Self, x: Self) -> Self {
-        let t = x.sub(e0).div(e1.sub(e0)).max(Self::constant(0.0)).min(Self::constant(1.0));
-        t.mul(t).mul(Self::constant(3.0).sub(Self::constant(2.0).mul(t)))
-    }
-
-    /// 2^(y log2 x); defined for x >= 0.
-    fn power(self, y: Self) -> Self {
-        y.mul(self.log2()).exp2()
+    /// self² (3 − 2 self).
+    fn smooth(self) -> Self {
+        self.powi(2).mul(Self::constant(3.0).sub(Self::constant(2.0).mul(self)))
     }
 }
 
@@ -238,7 +233,7 @@ fn apply<N: Number>(op: Op, value: f32, [a, b, c]: [N; 3], variables: &[N; VARIA
         Op::Divide => a.div(b),
         Op::Negate => a.neg(),
         Op::PowerInteger => a.powi(value as i32),
-        Op::Power => a.power(b),
+        Op::Smooth => a.smooth(),
         Op::Sine => a.sin(),
         Op::Cosine => a.cos(),
         Op::Tangent => a.tan(),
@@ -249,7 +244,6 @@ fn apply<N: Number>(op: Op, value: f32, [a, b, c]: [N; 3], variables: &[N; VARIA
         Op::Floor => a.floor(),
         Op::Modulo => a.modulo(b),
         Op::Mix => N::mix(a, b, c),
-        Op::SmoothStep => N::smoothstep(a, b, c),
         Op::Step => N::step(a, b),
         Op::Sign => a.sign(),
         Op::Exp2 => a.exp2(),
@@ -328,9 +322,6 @@ impl Number for f64 {
     }
     fn noise(x: Self, y: Self, z: Self) -> Self {
         noise::value_and_gradient([x, y, z])[0]
-    }
-    fn power(self, y: Self) -> Self {
-        if self == 0.0 && y == 0.0 { 1.0 } else { f64::exp2(y * f64::log2(self)) }
     }
 }
 

@@ -139,6 +139,10 @@ impl Number for Interval {
     fn noise(_: Self, _: Self, _: Self) -> Self {
         Self { lo: -1.0, hi: 1.0 }
     }
+    fn smooth(self) -> Self {
+        // Rising on [0, 1], where smoothstep uses it.
+        if self.lo < 0.0 || self.hi > 1.0 { Self::WHOLE } else { self.rising(|x| x * x * (3.0 - 2.0 * x)) }
+    }
     fn modulo(self, y: Self) -> Self {
         // Between 0 and y, whichever way y points; the plain formula when one period covers the box.
         let plain = self.sub(y.mul(self.div(y).floor()));

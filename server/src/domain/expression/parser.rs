@@ -286,19 +286,29 @@ fn function(name: &str, arguments: Vec<Node>) -> Node {
         }
         "sign" => Node::apply(Op::Sign, [next()]),
         "sin" => Node::apply(Op::Sine, [next()]),
-        "smoothstep" => Node::apply(Op::SmoothStep, [next(), next(), next()]),
+        "smoothstep" => {
+            let (from, to, x) = (next(), next(), next());
+            let width = Node::apply(Op::Subtract, [to, from.clone()]);
+            let t = Node::apply(Op::Divide, [Node::apply(Op::Subtract, [x, from]), width]);
+            let positive = Node::apply(Op::Maximum, [t, Constant(0.0)]);
+            Node::apply(Op::Smooth, [Node::apply(Op::Minimum, [positive, Constant(1.0)])])
+        }
         "sqrt" => Node::apply(Op::SquareRoot, [next()]),
         "step" => Node::apply(Op::Step, [next(), next()]),
         _ => Node::apply(Op::Tangent, [next()]),
     }
 }
 
-/// `base ^ exponent`: whole constant exponents become chains of multiplications.
+/// `base ^ exponent`: whole constant exponents become chains of multiplications, others 2^(y log2 x).
 fn raised(base: Node, exponent: Node) -> Node {
     match exponent.folded() {
+        Node::Constant(0.0) => Node::Constant(1.0),
         Node::Constant(n) if n.fract() == 0.0 && n.abs() <= f64::from(MAX_INTEGER_POWER) => {
             Node::Apply(Op::PowerInteger, n as f32, vec![base])
         }
-        exponent => Node::apply(Op::Power, [base, exponent]),
+        exponent => {
+            let scaled = Node::apply(Op::Multiply, [exponent, Node::apply(Op::Log2, [base])]);
+            Node::apply(Op::Exp2, [scaled])
+        }
     }
 }
