@@ -67,7 +67,8 @@ fn one(root: &Path, path: &Path) -> Result<Compiled, String> {
     let mut includes = Includes { root };
     let compiler = Compiler::acquire().ok_or("glslang did not start")?;
     let explain = |error: glslang::error::GlslangError| messages(&shown, &error.to_string());
-    let input = ShaderInput::new(&source, ShaderStage::Compute, &options, None, Some(&mut includes)).map_err(explain)?;
+    let input =
+        ShaderInput::new(&source, ShaderStage::Compute, &options, None, Some(&mut includes)).map_err(explain)?;
     let words = compiler.create_shader(input).map_err(explain)?.compile().map_err(explain)?;
     let bytes = code_bytes(&words);
     if bytes > MAX_CODE_BYTES {

@@ -3,9 +3,7 @@
 
 use std::ops::Range;
 
-use crate::layout::geometry::{
-    BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide,
-};
+use crate::layout::geometry::{BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide};
 
 /// All tables of one base mesh. Names are those of the shaders' bindings.
 #[derive(Clone, Debug, Default, PartialEq)]

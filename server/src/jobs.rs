@@ -6,9 +6,9 @@
 
 mod admission;
 mod displace;
-mod job;
 mod images;
 mod inputs;
+mod job;
 mod key;
 mod owner;
 mod registry;

@@ -33,8 +33,7 @@ pub fn value_and_gradient(p: [f64; 3]) -> [f64; 4] {
     let mut result = [0.0; 4];
     for k in 0..8i32 {
         let o = [k & 1, (k >> 1) & 1, k >> 2];
-        let w: [[f64; 2]; 3] =
-            std::array::from_fn(|a| if o[a] == 1 { f[a] } else { [1.0 - f[a][0], -f[a][1]] });
+        let w: [[f64; 2]; 3] = std::array::from_fn(|a| if o[a] == 1 { f[a] } else { [1.0 - f[a][0], -f[a][1]] });
         let value = corner(c[0].wrapping_add(o[0]), c[1].wrapping_add(o[1]), c[2].wrapping_add(o[2]));
         result[0] += value * w[0][0] * w[1][0] * w[2][0];
         result[1] += value * w[0][1] * w[1][0] * w[2][0];

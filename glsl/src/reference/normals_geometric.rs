@@ -2,7 +2,11 @@
 
 use glam::DVec3;
 
-use super::{samples::place_in_triangle, site::{Site, vector}, triangles::fine_vertex};
+use super::{
+    samples::place_in_triangle,
+    site::{Site, vector},
+    triangles::fine_vertex,
+};
 use crate::{lattice, layout::geometry::block, tables::Tables};
 
 /// Lattice neighbours of a point, anticlockwise; the first again at the end.

@@ -4,7 +4,10 @@
 use glam::DVec3;
 
 use super::samples::share;
-use crate::{layout::geometry::{Seam, SeamSide}, tables::Tables};
+use crate::{
+    layout::geometry::{Seam, SeamSide},
+    tables::Tables,
+};
 
 /// What a seam's sides become, and how far apart they were.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +19,8 @@ pub struct Reconciled {
 /// `candidate(k)` is the displacement of `seam_corners[k]` by itself.
 #[must_use]
 pub fn reconcile(tables: &Tables, seam: &Seam, candidate: impl Fn(u32) -> DVec3) -> Reconciled {
-    let distinct: Vec<(u32, DVec3)> = distinct(&tables.seam_corners, seam).map(|rank| (rank, candidate(seam.first + rank))).collect();
+    let distinct: Vec<(u32, DVec3)> =
+        distinct(&tables.seam_corners, seam).map(|rank| (rank, candidate(seam.first + rank))).collect();
     let displacement = distinct.iter().map(|(rank, d)| *d * share(seam.distinct, tables.rule, *rank)).sum();
     let pairs = distinct.iter().enumerate().flat_map(|(k, a)| distinct[..k].iter().map(move |b| a.1.distance(b.1)));
     Reconciled { displacement, mismatch: pairs.fold(0.0, f64::max) }
@@ -24,7 +28,13 @@ pub fn reconcile(tables: &Tables, seam: &Seam, candidate: impl Fn(u32) -> DVec3)
 
 /// What av `seam_corners[k]` is short of the reconciled displacement.
 #[must_use]
-pub fn correction(tables: &Tables, seam: &Seam, rank: u32, displacement: DVec3, candidate: impl Fn(u32) -> DVec3) -> DVec3 {
+pub fn correction(
+    tables: &Tables,
+    seam: &Seam,
+    rank: u32,
+    displacement: DVec3,
+    candidate: impl Fn(u32) -> DVec3,
+) -> DVec3 {
     displacement - candidate(seam.first + tables.seam_corners[(seam.first + rank) as usize].same_as)
 }
 

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 
-use super::{reconcile_corners::{Reconciled, distinct}, samples::share};
+use super::{
+    reconcile_corners::{Reconciled, distinct},
+    samples::share,
+};
 use crate::{layout::geometry::Seam, tables::Tables};
 
 /// `candidate(k)` is the displacement of `seam_sides[k]` there, its corners corrected. The mismatch is

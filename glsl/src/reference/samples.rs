@@ -2,7 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{frame::{Jet, product}, site::Site};
+use super::{
+    frame::{Jet, product},
+    site::Site,
+};
 use crate::{
     lattice,
     layout::geometry::{BaseTriangle, NONE, OWN, SamplesParams, SeamSide, block, rule},

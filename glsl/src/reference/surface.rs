@@ -15,11 +15,8 @@ pub struct Barycentrics {
 /// `corners` hold homogeneous (x, y, w), moved so that the point asked for is the origin.
 #[must_use]
 pub fn barycentrics(corners: [DVec3; 3]) -> Barycentrics {
-    let adjugate = DMat3::from_cols(
-        corners[1].cross(corners[2]),
-        corners[2].cross(corners[0]),
-        corners[0].cross(corners[1]),
-    );
+    let adjugate =
+        DMat3::from_cols(corners[1].cross(corners[2]), corners[2].cross(corners[0]), corners[0].cross(corners[1]));
     let rows = adjugate.transpose();
     let sum = rows.z_axis.element_sum();
     let at = rows.z_axis / sum;

@@ -19,7 +19,13 @@ pub fn fine_vertex(tables: &Tables, t: u32, i: u32, j: u32) -> u32 {
     if let Some(corner) = [k, i, j].iter().position(|c| *c == n) {
         return base.av[corner];
     }
-    let side = if j == 0 { 0 } else if k == 0 { 1 } else { 2 };
+    let side = if j == 0 {
+        0
+    } else if k == 0 {
+        1
+    } else {
+        2
+    };
     let along = [i, j, k][side];
     let along = if base.reversed >> side & 1 == 1 { n - along } else { along };
     lattice.corners + base.ae[side] * (n - 1) + along - 1

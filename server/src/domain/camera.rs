@@ -41,7 +41,8 @@ pub fn render_camera(
 fn named<'s>(scene: &'s Scene, name: &str) -> Result<&'s Camera> {
     scene.cameras.iter().find(|camera| camera.name.as_deref() == Some(name)).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().filter_map(|c| c.name.as_deref()).map(|n| format!("'{n}'")).collect();
-        let known = if names.is_empty() { "no named camera".into() } else { format!("the cameras {}", names.join(", ")) };
+        let known =
+            if names.is_empty() { "no named camera".into() } else { format!("the cameras {}", names.join(", ")) };
         let message = format!("the file has no camera '{name}' in its default scene; it has {known}");
         Error::new(ErrorKind::NotFound, message).with_field("camera.name")
     })
@@ -114,7 +115,8 @@ impl View {
         let world_from_camera = DMat4::from_cols_array(&camera_.world_from_camera.map(f64::from));
         let eye = world_from_camera.w_axis.truncate();
         // Scale on a camera's node changes nothing (glTF 2.0, 3.10).
-        let axes = (world_from_camera.z_axis.truncate().try_normalize(), world_from_camera.y_axis.truncate().try_normalize());
+        let axes =
+            (world_from_camera.z_axis.truncate().try_normalize(), world_from_camera.y_axis.truncate().try_normalize());
         let (Some(backward), Some(up)) = axes else { return Err(unusable(camera_, "its node has no orientation")) };
         if !eye.is_finite() || backward.cross(up).length() < 1e-6 {
             return Err(unusable(camera_, "its node has no orientation"));
@@ -226,8 +228,12 @@ mod tests {
 
     #[test]
     fn an_orbit_may_stand_straight_above() {
-        let choice =
-            CameraChoice::Orbit { azimuth_degrees: 0.0, elevation_degrees: 90.0, distance: Some(9.0), yfov_degrees: 40.0 };
+        let choice = CameraChoice::Orbit {
+            azimuth_degrees: 0.0,
+            elevation_degrees: 90.0,
+            distance: Some(9.0),
+            yfov_degrees: 40.0,
+        };
         let camera = render_camera(&choice, &Scene::default(), BOX, 8, 8).unwrap();
         assert!((camera.eye_world[1] - 9.0).abs() < 1e-5);
         assert!(clip(&camera, [1.0, 0.0, -2.0]).y > 0.0, "-Z is at the top of the image");

@@ -73,7 +73,10 @@ pub fn describe(scene: &Scene) -> Description {
         images: scene
             .images
             .iter()
-            .map(|i| ImageDescription { media_type: i.media_type.clone(), size_bytes: i.bytes.as_ref().map(|b| b.len() as u64) })
+            .map(|i| ImageDescription {
+                media_type: i.media_type.clone(),
+                size_bytes: i.bytes.as_ref().map(|b| b.len() as u64),
+            })
             .collect(),
         cameras: scene
             .cameras
@@ -94,7 +97,8 @@ pub fn describe(scene: &Scene) -> Description {
 
 fn of_mesh(scene: &Scene, index: usize, mesh: &SceneMesh) -> MeshDescription {
     let mesh = &mesh.mesh;
-    let everywhere = |n: &u32| mesh.attribute(&format!("TEXCOORD_{n}")).is_some_and(|a| a.primitives.iter().all(|p| *p));
+    let everywhere =
+        |n: &u32| mesh.attribute(&format!("TEXCOORD_{n}")).is_some_and(|a| a.primitives.iter().all(|p| *p));
     let mut attributes = vec!["POSITION".to_owned()];
     attributes.extend((!mesh.health.normals_generated).then(|| "NORMAL".into()));
     attributes.extend((!mesh.av_tangent.is_empty()).then(|| "TANGENT".into()));

@@ -66,9 +66,9 @@ struct Png {
 impl Png {
     fn color(&self, color: &[[f32; 4]]) -> Result<Vec<u8>> {
         let alpha = |a: f32| (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        let texels = color.iter().flat_map(|c| {
-            [srgb_from_linear(c[0]), srgb_from_linear(c[1]), srgb_from_linear(c[2]), alpha(c[3])]
-        });
+        let texels = color
+            .iter()
+            .flat_map(|c| [srgb_from_linear(c[0]), srgb_from_linear(c[1]), srgb_from_linear(c[2]), alpha(c[3])]);
         self.write(ColorType::Rgba, BitDepth::Eight, true, &[], &texels.collect::<Vec<_>>())
     }
 

@@ -31,13 +31,12 @@ impl Program {
         emit(&tree, &mut code);
         match check(&code) {
             Ok(()) => Ok(Self { source: source.to_owned(), code }),
-            Err(Fault::TooLong) => Err(invalid(format!(
-                "takes {} steps; allowed are at most {MAX_INSTRUCTIONS}: simplify it",
-                code.len()
-            ))),
-            Err(Fault::TooDeep) => Err(invalid(format!(
-                "holds more than {MAX_STACK} values at once: write the deepest operand first"
-            ))),
+            Err(Fault::TooLong) => {
+                Err(invalid(format!("takes {} steps; allowed are at most {MAX_INSTRUCTIONS}: simplify it", code.len())))
+            }
+            Err(Fault::TooDeep) => {
+                Err(invalid(format!("holds more than {MAX_STACK} values at once: write the deepest operand first")))
+            }
             Err(Fault::Malformed) => Err(Error::internal("an expression compiled to malformed code")),
         }
     }

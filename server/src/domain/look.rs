@@ -43,7 +43,10 @@ fn media_type(image: &[u8]) -> Result<&'static str> {
     match image {
         [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
         [0xff, 0xd8, ..] => Ok("image/jpeg"),
-        _ => Err(Error::invalid("base_color", "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it")),
+        _ => Err(Error::invalid(
+            "base_color",
+            "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it",
+        )),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
-use super::{AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, work::canonical};
+use super::{
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, work::canonical,
+};
 use crate::domain::{
     Digest, Result,
     describe::{self, Description},

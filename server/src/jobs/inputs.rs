@@ -188,7 +188,10 @@ fn refuse_vectors(details: &maps::Details) -> Result<()> {
         matches!(layer.source, LayerSource::VectorTangent(_) | LayerSource::VectorObject(_))
     };
     if all.flat_map(|detail| &detail.layers).any(vectors) {
-        return Err(Error::invalid("method", "displacement moves along the normal and the detail has a vector map: choose method vector"));
+        return Err(Error::invalid(
+            "method",
+            "displacement moves along the normal and the detail has a vector map: choose method vector",
+        ));
     }
     Ok(())
 }
@@ -205,9 +208,10 @@ fn fitted(scene: &mut Scene, details: &maps::Details) -> Result<Vec<Vec<Option<A
             let Some(detail) = detail else { continue };
             require_uvs(&scene_mesh.mesh, p, detail)?;
         }
-        let tangent = of_primitive.iter().flatten().find(|d| {
-            d.layers.iter().any(|layer| matches!(layer.source, LayerSource::VectorTangent(_)))
-        });
+        let tangent = of_primitive
+            .iter()
+            .flatten()
+            .find(|d| d.layers.iter().any(|layer| matches!(layer.source, LayerSource::VectorTangent(_))));
         if let Some(detail) = tangent {
             scene_mesh.mesh = weld::with_tangents(&scene_mesh.mesh, detail.uv_set)?;
         }
@@ -255,6 +259,7 @@ fn warn_of_terraces(details: &[Option<Arc<Detail>>], warnings: &mut Vec<Warning>
 }
 
 fn plans(scene: &Scene, request: &DisplaceRequest) -> Result<Vec<SurfacePlan>> {
-    let plan = |(index, m): (usize, &crate::domain::scene::SceneMesh)| SurfacePlan::uniform(index, &m.mesh, &request.geometry);
+    let plan =
+        |(index, m): (usize, &crate::domain::scene::SceneMesh)| SurfacePlan::uniform(index, &m.mesh, &request.geometry);
     scene.meshes.iter().enumerate().map(plan).collect()
 }

@@ -24,7 +24,9 @@ pub(super) fn describe(report: &mut Report, scene: &mut Scene, surfaces: &[Surfa
     if flipped > 0 {
         scene.warnings.push(Warning::new(
             "flipped-triangles",
-            format!("{flipped} triangles face against their base: the displacement folds the surface over; lower the scale"),
+            format!(
+                "{flipped} triangles face against their base: the displacement folds the surface over; lower the scale"
+            ),
         ));
     }
 }

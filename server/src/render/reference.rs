@@ -174,7 +174,8 @@ impl<'a> Displacer<'a> {
     fn jet(&self, t: u32, ij: [u32; 2]) -> Option<(Sample, Jet)> {
         let n = f64::from(self.tables.segments());
         let [b1, b2] = ij.map(|x| f64::from(x) / n);
-        let at = |side, rank| samples::vertex_sample(self.tables, &self.sampling(block::INTERIORS, side, rank), t, b1, b2);
+        let at =
+            |side, rank| samples::vertex_sample(self.tables, &self.sampling(block::INTERIORS, side, rank), t, b1, b2);
         let own = at(OWN, 0)?;
         if self.tables.correction(t).is_none() {
             return Some((own, self.own_jet(&own)));
@@ -223,7 +224,9 @@ impl<'a> Displacer<'a> {
             sample.map_or(DVec3::ZERO, |s| if hats { self.hatted_jet(&s) } else { self.own_jet(&s) }.x_axis)
         };
         let all = |seam: &Seam| -> Vec<_> {
-            (0..points).map(|point| reconcile_edges::reconcile(self.tables, seam, |side| candidate(side, point))).collect()
+            (0..points)
+                .map(|point| reconcile_edges::reconcile(self.tables, seam, |side| candidate(side, point)))
+                .collect()
         };
         let reconciled: Vec<_> = self.tables.seams.par_iter().map(all).collect();
         for (seam, along) in self.tables.seams.iter().zip(reconciled) {

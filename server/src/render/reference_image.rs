@@ -26,7 +26,11 @@ use crate::domain::{
 
 use super::{
     JobContext,
-    image::{empty_images, shading::eye_and_depth, tables::{Tables, wrap_numbers}},
+    image::{
+        empty_images,
+        shading::eye_and_depth,
+        tables::{Tables, wrap_numbers},
+    },
 };
 
 /// Pixel rows whose triangles are listed together.

@@ -57,7 +57,8 @@ fn displacement_against_a_native_loop() {
     let executor = device();
     let map = noise([2048, 2048], 1);
     let mesh = welded(&meshes::plane(1));
-    let tables = passes::tables::build(&planned(&mesh, &geometry(0)), &mesh, &[Some(height(map.clone(), 0.1))]).expect("tables");
+    let tables =
+        passes::tables::build(&planned(&mesh, &geometry(0)), &mesh, &[Some(height(map.clone(), 0.1))]).expect("tables");
     // A sheet in row order, as subdivision makes it along its rows.
     let at = |i: usize| ((i % 2048) as f32 / 2047.0, (i / 2048) as f32 / 2047.0);
     let p: Vec<[f32; 4]> = (0..COUNT).map(|i| [at(i).0, 0.0, at(i).1, at(i).0]).collect();
@@ -88,7 +89,11 @@ fn displacement_against_a_native_loop() {
         let theirs = fastest(3, || (0..8).for_each(|_| native(&p, &d, &map.texels, 2048, &mut out)));
         println!(
             "device {:.1} ms ({:.1} ms of processor), native {:.1} ms ({:.1}): {:.2} of its throughput",
-            ours.0 * 125.0, ours.1 * 125.0, theirs.0 * 125.0, theirs.1 * 125.0, theirs.1 / ours.1
+            ours.0 * 125.0,
+            ours.1 * 125.0,
+            theirs.0 * 125.0,
+            theirs.1 * 125.0,
+            theirs.1 / ours.1
         );
     }
     let device: Vec<[f32; 3]> = positions.read().expect("reads");

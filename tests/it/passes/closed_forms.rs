@@ -146,7 +146,12 @@ fn mirrored_halves_displace_as_mirror_images() {
     // tangent displacement must mirror too. A wrong handedness would turn it the other way.
     let mesh = welded_with_tangents(&meshes::mirrored_uv_sphere(16, 8));
     let sideways = map([4, 4], 3, |_, _, c| if c == 1 { 1.0 } else { 0.0 });
-    let surface = run(vulkan(), &mesh, &geometry(2), Some(&detail([layer(LayerSource::VectorTangent(Arc::new(sideways)), 0.1, 0.0)])));
+    let surface = run(
+        vulkan(),
+        &mesh,
+        &geometry(2),
+        Some(&detail([layer(LayerSource::VectorTangent(Arc::new(sideways)), 0.1, 0.0)])),
+    );
     let flat = run(vulkan(), &mesh, &geometry(2), None);
     let mut signs = std::collections::HashSet::new();
     for (moved, from) in surface.positions.iter().zip(&flat.positions) {

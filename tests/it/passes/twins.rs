@@ -71,7 +71,9 @@ impl Bench {
     }
 
     fn displace(&self) {
-        self.record(|r| passes::displace::record(r, &self.tables, &self.mesh, &self.base, &self.fine).expect("records"));
+        self.record(|r| {
+            passes::displace::record(r, &self.tables, &self.mesh, &self.base, &self.fine).expect("records")
+        });
     }
 
     /// Every fine vertex with its block and its number there.
@@ -97,7 +99,8 @@ impl Bench {
 
     fn samples(&self, which: u32, start: u64, count: u64) -> (Vec<Sample>, Vec<Jet>) {
         let chunk = SampleStreams::new(vulkan().device(), count).expect("fits");
-        let jets = Jets { tables: &self.tables, base: &self.base, av_correction: &self.fine.av_correction, chunk: &chunk };
+        let jets =
+            Jets { tables: &self.tables, base: &self.base, av_correction: &self.fine.av_correction, chunk: &chunk };
         let details = all_details(&self.tables);
         let domain = Domain { block: which, start, count, details, hats: false, ramps: false };
         self.record(|r| jets.record(r, &domain).expect("records"));
@@ -146,7 +149,11 @@ fn details() -> Vec<(&'static str, Arc<Detail>)> {
             detail([
                 layer(LayerSource::Height(Arc::new(noise([16, 16], 1))), 0.05, 0.5),
                 layer(LayerSource::VectorTangent(Arc::new(noise([8, 8], 3))), 0.02, 0.5),
-                layer(LayerSource::Expression(Arc::new(Program::parse("exp(-x*x) * smoothstep(0, 1, v)").unwrap())), 0.1, 0.0),
+                layer(
+                    LayerSource::Expression(Arc::new(Program::parse("exp(-x*x) * smoothstep(0, 1, v)").unwrap())),
+                    0.1,
+                    0.0,
+                ),
             ]),
         ),
     ]
@@ -163,12 +170,20 @@ fn subdivide_agrees_with_its_twin() {
             let place = format!("{} block {which} vertex {index}", bench.mesh.name);
             // Three products and two sums of numbers up to 2.
             assert!(device.position.distance(twin.position) <= 8.0 * EPSILON * 2.0, "{place}: position");
-            assert!((device.uv[0] - twin.uv[0]).abs().max((device.uv[1] - twin.uv[1]).abs()) <= 4.0 * EPSILON, "{place}: uv");
+            assert!(
+                (device.uv[0] - twin.uv[0]).abs().max((device.uv[1] - twin.uv[1]).abs()) <= 4.0 * EPSILON,
+                "{place}: uv"
+            );
             // A quotient by a length: the errors of the blend over its shortest length.
             let shortest = 0.125;
             assert!(device.direction.distance(twin.direction) <= 16.0 * EPSILON / shortest, "{place}: direction");
             assert!(device.normal.distance(twin.normal) <= 16.0 * EPSILON / shortest, "{place}: normal");
-            assert!(device.tangent.distance(twin.tangent) <= 1e-4, "{place}: tangent {} {}", device.tangent, twin.tangent);
+            assert!(
+                device.tangent.distance(twin.tangent) <= 1e-4,
+                "{place}: tangent {} {}",
+                device.tangent,
+                twin.tangent
+            );
         }
     }
 }
@@ -184,7 +199,9 @@ fn displacement_agrees_with_its_twins() {
             for (base, position) in bench.device_base().iter().zip(&positions) {
                 let offset = |layer| match bench.tables.layers[layer as usize].kind {
                     kind::HEIGHT => displace::displacement(&bench.tables, &bench.tables.layers[layer as usize], base),
-                    kind::EXPRESSION => displace_expression::displacement(&bench.tables, &bench.tables.layers[layer as usize], base),
+                    kind::EXPRESSION => {
+                        displace_expression::displacement(&bench.tables, &bench.tables.layers[layer as usize], base)
+                    }
                     _ => displace_vector::displacement(&bench.tables, &bench.tables.layers[layer as usize], base),
                 };
                 let twin = base.position + bench.tables.details[1].clone().map(offset).sum::<DVec3>();
@@ -235,7 +252,11 @@ fn check_jets(name: &str, bench: &Bench, which: u32, start: u64, count: u64) {
         let size = twin.to_cols_array().iter().fold(1.0f64, |m, x| m.max(x.abs()));
         let error = (jet - twin).to_cols_array().iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let bound = 64.0 * 64.0 * EPSILON * size;
-        assert!(error <= bound, "{name} on {} block {which}: {error:e} above {bound:e}\n{jet}\n{twin}", bench.mesh.name);
+        assert!(
+            error <= bound,
+            "{name} on {} block {which}: {error:e} above {bound:e}\n{jet}\n{twin}",
+            bench.mesh.name
+        );
     }
 }
 
@@ -247,7 +268,9 @@ fn normals_agree_with_their_twins() {
         bench.subdivide();
         bench.displace();
         let positions: Vec<[f32; 3]> = read(&bench.fine.positions);
-        bench.record(|r| passes::normals::record_geometric(r, &bench.tables, &bench.base, &bench.fine).expect("records"));
+        bench.record(|r| {
+            passes::normals::record_geometric(r, &bench.tables, &bench.base, &bench.fine).expect("records")
+        });
         let geometric: Vec<[f32; 3]> = read(&bench.fine.normals);
         for (normal, (which, index)) in geometric.iter().zip(bench.vertices()) {
             let twin = normals_geometric::normal(&bench.tables, which, index, |v| vec3(&positions[v as usize]));
@@ -267,10 +290,13 @@ fn analytic_normals_agree_with_their_twin_given_the_same_jets() {
         let mut g = geometry(level);
         g.feather_texels = 0.0;
         bench.plan = planned(&bench.mesh, &g);
-        bench.tables = passes::tables::build(&bench.plan, &bench.mesh, &vec![Some(detail.clone()); bench.mesh.primitives.len()]).expect("tables");
+        bench.tables =
+            passes::tables::build(&bench.plan, &bench.mesh, &vec![Some(detail.clone()); bench.mesh.primitives.len()])
+                .expect("tables");
         bench.base = BaseStreams::new(vulkan().device(), &bench.tables).expect("fits");
         bench.record(|r| {
-            passes::normals::record_analytic(vulkan().device(), r, &bench.tables, &bench.base, &bench.fine).expect("records");
+            passes::normals::record_analytic(vulkan().device(), r, &bench.tables, &bench.base, &bench.fine)
+                .expect("records");
         });
         let normals: Vec<[f32; 3]> = read(&bench.fine.normals);
         let jet = |(t, ij): (u32, [u32; 2])| {
@@ -278,13 +304,15 @@ fn analytic_normals_agree_with_their_twin_given_the_same_jets() {
             let triangle = bench.tables.base_triangles[t as usize];
             let params = layout::SamplesParams { side: layout::OWN, ..Default::default() };
             let [b1, b2] = ij.map(|x| f64::from(x) / n);
-            let sample = displace_glsl::reference::samples::vertex_sample(&bench.tables, &params, t, b1, b2).expect("own");
+            let sample =
+                displace_glsl::reference::samples::vertex_sample(&bench.tables, &params, t, b1, b2).expect("own");
             assert_eq!(triangle.detail, sample.detail);
             (sample, jets_height::jet(&bench.tables, &bench.tables.layers[0], &sample))
         };
         for (normal, (which, index)) in normals.iter().zip(bench.vertices()) {
             let contributions: Vec<(Sample, Jet)> = places(&bench.tables, which, index).into_iter().map(jet).collect();
-            let twin = normals_analytic::normal(&bench.tables, (which == block::CORNERS).then_some(index), &contributions);
+            let twin =
+                normals_analytic::normal(&bench.tables, (which == block::CORNERS).then_some(index), &contributions);
             let error = vec3(normal).distance(twin);
             assert!(error < 2e-4, "{} analytic {which}/{index}: {error:e} {normal:?} {twin}", bench.mesh.name);
         }
@@ -318,10 +346,15 @@ fn whole_surfaces_agree_with_the_reference() {
                 let error = worst(&device.positions, &twin.positions);
                 assert!(error < 2e-5, "{what}: positions {error:e}");
                 assert_eq!(device.triangles, twin.triangles, "{what}");
-                let uv = device.attributes[0].iter().zip(&twin.attributes[0]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                let uv = device.attributes[0]
+                    .iter()
+                    .zip(&twin.attributes[0])
+                    .map(|(a, b)| (a - b).abs())
+                    .fold(0.0, f32::max);
                 assert!(uv <= 4.0 * EPSILON as f32, "{what}: uv {uv:e}");
                 assert!((device.mismatch_max - twin.mismatch_max).abs() < 2e-5, "{what}: mismatch");
-                let mut errors: Vec<f32> = device.normals.iter().zip(&twin.normals).map(|(a, b)| distance(*a, *b)).collect();
+                let mut errors: Vec<f32> =
+                    device.normals.iter().zip(&twin.normals).map(|(a, b)| distance(*a, *b)).collect();
                 errors.sort_by(f32::total_cmp);
                 // Where a surface nearly folds, its normal hangs on the last bits: all but a few are compared.
                 let nearly_all = errors[(errors.len() - 1) * 999 / 1000];

@@ -20,8 +20,7 @@ const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 /// World x and y are pixels, y down; z is the reversed depth itself.
 pub(crate) fn pixel_camera(width: u32, height: u32) -> RenderCamera {
     let (sx, sy) = (2.0 / width as f32, -2.0 / height as f32);
-    let clip_from_view =
-        [sx, 0.0, 0.0, 0.0, 0.0, sy, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 1.0, 0.0, 1.0];
+    let clip_from_view = [sx, 0.0, 0.0, 0.0, 0.0, sy, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 1.0, 0.0, 1.0];
     RenderCamera { view_from_world: IDENTITY, clip_from_view, eye_world: [0.0; 3] }
 }
 
@@ -38,7 +37,8 @@ impl Builder {
     /// Colours come out as they go in.
     pub(crate) fn unlit(camera: RenderCamera) -> Self {
         let mut builder = Self::lit(camera);
-        builder.scene.light = RenderLight { color: [0.0; 3], ambient: 1.0, background: [LEAK; 3], ..Default::default() };
+        builder.scene.light =
+            RenderLight { color: [0.0; 3], ambient: 1.0, background: [LEAK; 3], ..Default::default() };
         builder
     }
 

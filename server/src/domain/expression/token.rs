@@ -96,8 +96,7 @@ fn token(text: &str, column: usize) -> Result<Token, Problem> {
 }
 
 fn number(text: &str, column: usize) -> Result<Token, Problem> {
-    let value: f64 =
-        text.parse().map_err(|_| Problem::new(column, format!("'{text}' is not a number")))?;
+    let value: f64 = text.parse().map_err(|_| Problem::new(column, format!("'{text}' is not a number")))?;
     if (value as f32).is_finite() {
         Ok(Token::Number(value))
     } else {

@@ -88,7 +88,9 @@ fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
     if width == 0 || height == 0 || width > MAX_MAP_PIXELS || height > MAX_MAP_PIXELS {
         return Err(Error::too_large(
             field,
-            format!("the image has {width} x {height} pixels; allowed are 1 to {MAX_MAP_PIXELS} each way: scale it down"),
+            format!(
+                "the image has {width} x {height} pixels; allowed are 1 to {MAX_MAP_PIXELS} each way: scale it down"
+            ),
         ));
     }
     if u64::from(width) * u64::from(height) > MAX_MAP_TEXELS {
@@ -102,7 +104,10 @@ fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
 
 fn plain(field: &str, bytes: &[u8]) -> Result<Pixels> {
     let unreadable = |e: image::ImageError| {
-        Error::invalid(field, format!("the image cannot be decoded ({e}); give PNG, JPEG, TIFF, Radiance HDR or OpenEXR"))
+        Error::invalid(
+            field,
+            format!("the image cannot be decoded ({e}); give PNG, JPEG, TIFF, Radiance HDR or OpenEXR"),
+        )
     };
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
@@ -132,12 +137,17 @@ fn plain(field: &str, bytes: &[u8]) -> Result<Pixels> {
 }
 
 fn unsupported_color(field: &str, color: ColorType) -> Error {
-    Error::unsupported(field, format!("pixels of type {color:?} are not read; give 8-bit, 16-bit or 32-bit float channels"))
+    Error::unsupported(
+        field,
+        format!("pixels of type {color:?} are not read; give 8-bit, 16-bit or 32-bit float channels"),
+    )
 }
 
 fn exr(field: &str, bytes: &[u8]) -> Result<Pixels> {
     use exr::prelude::*;
-    let unreadable = |e: exr::error::Error| crate::domain::Error::invalid(field, format!("the OpenEXR file cannot be decoded ({e})"));
+    let unreadable = |e: exr::error::Error| {
+        crate::domain::Error::invalid(field, format!("the OpenEXR file cannot be decoded ({e})"))
+    };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     for header in &meta.headers {
         check_size(field, header.layer_size.0 as u32, header.layer_size.1 as u32)?;
@@ -166,7 +176,10 @@ fn exr(field: &str, bytes: &[u8]) -> Result<Pixels> {
     let mut values = vec![0.0; width * height * chosen.len()];
     for (k, channel) in chosen.iter().enumerate() {
         if channel.sampling != Vec2(1, 1) {
-            return Err(crate::domain::Error::unsupported(field, "subsampled OpenEXR channels are not read; store them at full resolution"));
+            return Err(crate::domain::Error::unsupported(
+                field,
+                "subsampled OpenEXR channels are not read; store them at full resolution",
+            ));
         }
         for (texel, value) in values.iter_mut().skip(k).step_by(chosen.len()).zip(channel.sample_data.values_as_f32()) {
             *texel = value;
@@ -182,7 +195,9 @@ mod tests {
     fn png16(width: u32, height: u32, values: Vec<u16>) -> Vec<u8> {
         let image = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, values).expect("sizes agree");
         let mut bytes = Vec::new();
-        DynamicImage::ImageLuma16(image).write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png).expect("writes");
+        DynamicImage::ImageLuma16(image)
+            .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
+            .expect("writes");
         bytes
     }
 

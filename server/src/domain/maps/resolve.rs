@@ -52,7 +52,10 @@ pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'
         for material in materials_called(scene, index, name)? {
             if std::mem::replace(&mut named[material], true) {
                 let field = format!("details[{index}].material");
-                return Err(Error::invalid(field, format!("'{name}' is named by an earlier entry too: give one entry for each material")));
+                return Err(Error::invalid(
+                    field,
+                    format!("'{name}' is named by an earlier entry too: give one entry for each material"),
+                ));
             }
             details.of_material[material] = Some(Arc::clone(&detail));
         }
@@ -67,7 +70,10 @@ pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'
     }
     if let Some((index, _)) = general.next() {
         let field = format!("details[{index}].material");
-        return Err(Error::invalid(field, "a second entry is for all materials: name a material, or merge the entries"));
+        return Err(Error::invalid(
+            field,
+            "a second entry is for all materials: name a material, or merge the entries",
+        ));
     }
     for (material, slot) in details.of_material.iter_mut().enumerate().filter(|(_, slot)| slot.is_none()) {
         if let Some(displacement) = &scene.materials[material].displacement {
@@ -82,7 +88,8 @@ fn materials_called(scene: &Scene, index: usize, name: &str) -> Result<Vec<usize
     let found: Vec<usize> = (0..scene.materials.len()).filter(is_called).collect();
     if found.is_empty() {
         let known: Vec<&str> = scene.materials.iter().filter_map(|m| m.name.as_deref()).collect();
-        let known = if known.is_empty() { "it has no named materials".into() } else { format!("it has {}", known.join(", ")) };
+        let known =
+            if known.is_empty() { "it has no named materials".into() } else { format!("it has {}", known.join(", ")) };
         return Err(Error::new(ErrorKind::NotFound, format!("the mesh has no material '{name}'; {known}"))
             .with_field(format!("details[{index}].material")));
     }
@@ -108,7 +115,8 @@ impl Resolver<'_> {
     fn layer(&self, field: &str, request: &LayerRequest) -> Result<Layer> {
         let (source, midlevel) = match &request.source {
             SourceRequest::Height { map, channel } => {
-                let (map, default_midlevel) = self.height(&format!("{field}.height"), map, *channel, request.invert_height)?;
+                let (map, default_midlevel) =
+                    self.height(&format!("{field}.height"), map, *channel, request.invert_height)?;
                 (LayerSource::Height(Arc::new(map)), request.midlevel.unwrap_or(default_midlevel))
             }
             SourceRequest::Vector { map, space, swizzle } => {
@@ -174,13 +182,17 @@ impl Resolver<'_> {
         if (d.width, d.height) != (m.width, m.height) {
             return Err(Error::invalid(
                 field_of("magnitude"),
-                format!("has {} x {} pixels and the direction map {} x {}: both must be of one size", m.width, m.height, d.width, d.height),
+                format!(
+                    "has {} x {} pixels and the direction map {} x {}: both must be of one size",
+                    m.width, m.height, d.width, d.height
+                ),
             ));
         }
         let axes = axes(&field_of("direction"), &d, swizzle)?;
         let as_printed = request.preset == Preset::AsPrinted;
         let bits = d.bits();
-        let mut texels = d.texels(axes, |k, v| signed(swizzle, k, if as_printed { v } else { direction_component(bits, v) }));
+        let mut texels =
+            d.texels(axes, |k, v| signed(swizzle, k, if as_printed { v } else { direction_component(bits, v) }));
         let midlevel = request.midlevel.unwrap_or(0.0);
         let lengths = m.texels([0], |_, v| if request.invert_height { 1.0 - v - midlevel } else { v - midlevel });
         for (vector, length) in texels.chunks_exact_mut(3).zip(lengths) {
@@ -224,11 +236,22 @@ fn map(field: &str, pixels: &Pixels, channels: u32, texels: Vec<f32>, request: &
     if request.sampling == Sampling::Node && (pixels.width < 2 || pixels.height < 2) {
         return Err(Error::invalid(
             field,
-            format!("node sampling needs at least 2 x 2 pixels and the map has {} x {}: use center sampling", pixels.width, pixels.height),
+            format!(
+                "node sampling needs at least 2 x 2 pixels and the map has {} x {}: use center sampling",
+                pixels.width, pixels.height
+            ),
         ));
     }
     let wrap = [request.wrap.unwrap_or(Wrap::Repeat); 2];
-    Ok(Map { width: pixels.width, height: pixels.height, channels, texels, wrap, sampling: request.sampling, source_bits: pixels.bits() })
+    Ok(Map {
+        width: pixels.width,
+        height: pixels.height,
+        channels,
+        texels,
+        wrap,
+        sampling: request.sampling,
+        source_bits: pixels.bits(),
+    })
 }
 
 fn channel_index(field: &str, pixels: &Pixels, channel: Channel) -> Result<usize> {
@@ -240,12 +263,17 @@ fn channel_index(field: &str, pixels: &Pixels, channel: Channel) -> Result<usize
         (Channel::A, _) => alpha,
         _ => None,
     };
-    found.ok_or_else(|| Error::invalid(field, format!("has {} channel(s) and no {channel:?}: choose another channel", pixels.channels)))
+    found.ok_or_else(|| {
+        Error::invalid(field, format!("has {} channel(s) and no {channel:?}: choose another channel", pixels.channels))
+    })
 }
 
 fn axes(field: &str, pixels: &Pixels, swizzle: Swizzle) -> Result<[usize; 3]> {
     if pixels.channels < 3 {
-        return Err(Error::invalid(field, format!("has {} channel(s); vectors need red, green and blue", pixels.channels)));
+        return Err(Error::invalid(
+            field,
+            format!("has {} channel(s); vectors need red, green and blue", pixels.channels),
+        ));
     }
     Ok(swizzle.0.map(|(axis, _)| usize::from(axis)))
 }

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use displace_glsl::layout::raster::{
-    Fragment, LISTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX,
-};
+use displace_glsl::layout::raster::{Fragment, LISTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX};
 
 use crate::{
     domain::{

@@ -7,10 +7,16 @@ use displace_glsl::{
     SHADERS,
     layout::raster::{Material, MipParams},
 };
-use half::{f16, slice::{HalfBitsSliceExt, HalfFloatSliceExt}};
+use half::{
+    f16,
+    slice::{HalfBitsSliceExt, HalfFloatSliceExt},
+};
 
 use crate::{
-    domain::{Error, Result, image::{ColorMap, RenderScene}},
+    domain::{
+        Error, Result,
+        image::{ColorMap, RenderScene},
+    },
     vulkan::{Device, MAX_PAGES, PAGE_SHIFT, Recorder, Stream},
 };
 
@@ -44,7 +50,12 @@ impl Textures {
     fn add(&mut self, map: &Arc<ColorMap>) -> Result<usize> {
         let texels = u64::from(map.width) * u64::from(map.height);
         if texels == 0 || texels != map.texels.len() as u64 {
-            return Err(Error::internal(format!("a map of {} x {} has {} texels", map.width, map.height, map.texels.len())));
+            return Err(Error::internal(format!(
+                "a map of {} x {} has {} texels",
+                map.width,
+                map.height,
+                map.texels.len()
+            )));
         }
         let first_level = self.levels.len() as u32;
         let (mut width, mut height) = (map.width, map.height);
@@ -58,7 +69,8 @@ impl Textures {
         }
         let most = MAX_PAGES << PAGE_SHIFT;
         if self.pairs > most {
-            let message = format!("the base colour maps and their mips have more than {} texels: use smaller maps", 2 * most);
+            let message =
+                format!("the base colour maps and their mips have more than {} texels: use smaller maps", 2 * most);
             return Err(Error::too_large("look.base_color", message));
         }
         self.ranges.push((first_level, self.levels.len() as u32 - first_level));

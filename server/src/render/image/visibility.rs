@@ -228,8 +228,7 @@ impl Job<'_, '_> {
         self.run.record(|recorder| {
             let bound = [("records", &work.records), ("offsets", &work.tile_offsets), ("pairs", &work.pairs)];
             recorder.dispatch(&SHADERS.tiles, count, &tiles, &bound)?;
-            let mut bound =
-                vec![("visibility", &work.visibility), ("records", &work.records), ("pairs", &work.pairs)];
+            let mut bound = vec![("visibility", &work.visibility), ("records", &work.records), ("pairs", &work.pairs)];
             if masked {
                 recorder.fill(&work.fragment_count, 0)?;
                 bound.extend(fragment_bindings(work));

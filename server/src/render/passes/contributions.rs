@@ -19,7 +19,10 @@ pub fn fill(tables: &mut Tables, mesh: &Mesh) -> Result<()> {
     let total: usize = lists.iter().map(Vec::len).sum();
     let points = u64::from(tables.segments().max(2) - 1);
     if total as u64 * points > u64::from(u32::MAX) {
-        return Err(Error::too_large("geometry.uniform", format!("mesh '{}' is too large at this level: lower the level", mesh.name)));
+        return Err(Error::too_large(
+            "geometry.uniform",
+            format!("mesh '{}' is too large at this level: lower the level", mesh.name),
+        ));
     }
     tables.contribution_first.reserve(lists.len() + 1);
     tables.contributions.reserve(total);

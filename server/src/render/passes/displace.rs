@@ -6,9 +6,7 @@ use std::ops::Range;
 use displace_glsl::{
     SHADERS,
     lattice::{edge_points, interior_points},
-    layout::geometry::{
-        DisplaceExpressionParams, DisplaceParams, DisplaceVectorParams, Layer, RestParams, kind,
-    },
+    layout::geometry::{DisplaceExpressionParams, DisplaceParams, DisplaceVectorParams, Layer, RestParams, kind},
     tables::Tables,
 };
 
@@ -45,11 +43,10 @@ pub fn runs(tables: &Tables, mesh: &Mesh) -> Vec<(u32, Range<u64>)> {
     let scaled = |range: &Range<u32>, first: u64, each: u64| {
         first + u64::from(range.start) * each..first + u64::from(range.end) * each
     };
-    let blocks: [&dyn Fn(usize) -> Range<u64>; 3] = [
-        &|p| scaled(&mesh.primitives[p].avs, 0, 1),
-        &|p| scaled(&mesh.primitives[p].aes, edges, per_edge),
-        &|p| scaled(&mesh.primitives[p].triangles, interiors, per_triangle),
-    ];
+    let blocks: [&dyn Fn(usize) -> Range<u64>; 3] =
+        [&|p| scaled(&mesh.primitives[p].avs, 0, 1), &|p| scaled(&mesh.primitives[p].aes, edges, per_edge), &|p| {
+            scaled(&mesh.primitives[p].triangles, interiors, per_triangle)
+        }];
     let mut runs: Vec<(u32, Range<u64>)> = Vec::new();
     for block in blocks {
         for p in 0..mesh.primitives.len() {
@@ -79,8 +76,7 @@ impl Pass<'_> {
     fn rest(&self, recorder: &mut Recorder<'_>, vertices: &Range<u64>) -> Result<()> {
         let count = vertices.end - vertices.start;
         let params = RestParams { count: count as u32, first: vertices.start as u32 };
-        let streams =
-            [("base_position_u", &self.fine.base_position_u), ("positions", &self.fine.positions)];
+        let streams = [("base_position_u", &self.fine.base_position_u), ("positions", &self.fine.positions)];
         Ok(recorder.dispatch(&SHADERS.rest, count, &params, &streams)?)
     }
 
@@ -128,7 +124,13 @@ impl Pass<'_> {
         Ok(recorder.dispatch(&SHADERS.displace_vector, count, &params, &streams)?)
     }
 
-    fn expression(&self, recorder: &mut Recorder<'_>, vertices: &Range<u64>, layer: &Layer, on_top: bool) -> Result<()> {
+    fn expression(
+        &self,
+        recorder: &mut Recorder<'_>,
+        vertices: &Range<u64>,
+        layer: &Layer,
+        on_top: bool,
+    ) -> Result<()> {
         let count = vertices.end - vertices.start;
         let code = &self.tables.instructions[layer.first as usize..(layer.first + layer.row) as usize];
         let params = DisplaceExpressionParams {

@@ -150,7 +150,12 @@ impl Jets<'_> {
             ("jets", &self.chunk.jets),
             ("av_correction", self.av_correction),
         ];
-        Ok(recorder.dispatch(&SHADERS.jets_correction, count, &JetsCorrectionParams { count: count as u32 }, &streams)?)
+        Ok(recorder.dispatch(
+            &SHADERS.jets_correction,
+            count,
+            &JetsCorrectionParams { count: count as u32 },
+            &streams,
+        )?)
     }
 }
 

@@ -131,7 +131,12 @@ fn interior_parts(tables: &Tables, all: Range<u64>, points: u64, corrected: bool
     starts.map(part).collect()
 }
 
-pub fn record_geometric(recorder: &mut Recorder<'_>, tables: &Tables, base: &BaseStreams, fine: &FineStreams) -> Result<()> {
+pub fn record_geometric(
+    recorder: &mut Recorder<'_>,
+    tables: &Tables,
+    base: &BaseStreams,
+    fine: &FineStreams,
+) -> Result<()> {
     for (block, first, count) in blocks(tables) {
         let params =
             NormalsGeometricParams { count: count as u32, first: first as u32, block, lattice: tables.lattice };

@@ -47,14 +47,18 @@ impl Pass<'_> {
         }
         let sides = self.tables.seam_corners.len() as u64;
         let chunk = SampleStreams::new(self.device, sides)?;
-        self.jets(recorder, &chunk, &Domain {
-            block: block::SEAM_CORNERS,
-            start: 0,
-            count: sides,
-            details: all_details(self.tables),
-            hats: false,
-            ramps: false,
-        })?;
+        self.jets(
+            recorder,
+            &chunk,
+            &Domain {
+                block: block::SEAM_CORNERS,
+                start: 0,
+                count: sides,
+                details: all_details(self.tables),
+                hats: false,
+                ramps: false,
+            },
+        )?;
         let params = ReconcileCornersParams { count: count as u32, rule: self.tables.rule };
         let streams = [
             ("av_position_u", &self.base.av_position_u),
@@ -88,16 +92,26 @@ impl Pass<'_> {
         u64::from(first.first)..u64::from(last.first + last.count)
     }
 
-    fn edge_chunk(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, seams: Range<usize>, points: u64) -> Result<()> {
+    fn edge_chunk(
+        &self,
+        recorder: &mut Recorder<'_>,
+        chunk: &SampleStreams,
+        seams: Range<usize>,
+        points: u64,
+    ) -> Result<()> {
         let sides = self.sides(&seams);
-        self.jets(recorder, chunk, &Domain {
-            block: block::SEAM_EDGES,
-            start: sides.start * points,
-            count: (sides.end - sides.start) * points,
-            details: all_details(self.tables),
-            hats: !self.tables.corrections.is_empty(),
-            ramps: false,
-        })?;
+        self.jets(
+            recorder,
+            chunk,
+            &Domain {
+                block: block::SEAM_EDGES,
+                start: sides.start * points,
+                count: (sides.end - sides.start) * points,
+                details: all_details(self.tables),
+                hats: !self.tables.corrections.is_empty(),
+                ramps: false,
+            },
+        )?;
         let count = seams.len() as u64 * points;
         let params = ReconcileEdgesParams {
             count: count as u32,
@@ -136,14 +150,17 @@ impl Pass<'_> {
         Ok(())
     }
 
-    fn interior_chunk(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, range: Range<u64>, points: u64) -> Result<()> {
+    fn interior_chunk(
+        &self,
+        recorder: &mut Recorder<'_>,
+        chunk: &SampleStreams,
+        range: Range<u64>,
+        points: u64,
+    ) -> Result<()> {
         self.jets(recorder, chunk, &interior_domain(self.tables, range.clone(), points, true))?;
         let count = range.end - range.start;
-        let params = ReconcileInteriorsParams {
-            count: count as u32,
-            start: range.start as u32,
-            lattice: self.tables.lattice,
-        };
+        let params =
+            ReconcileInteriorsParams { count: count as u32, start: range.start as u32, lattice: self.tables.lattice };
         let streams = [
             ("av_position_u", &self.base.av_position_u),
             ("av_direction_v", &self.base.av_direction_v),

@@ -27,7 +27,8 @@ pub fn blend(tables: &Tables, mesh: &Mesh, vertices: u64, values: &mut [Vec<f32>
         strongest(&influences(mesh, &sets, av, b), out);
     });
     for (k, &(joints, weights)) in sets.iter().enumerate() {
-        let pick = |offset: usize| merged.chunks(width).flat_map(|v| v[offset..offset + PER_SET].iter().copied()).collect();
+        let pick =
+            |offset: usize| merged.chunks(width).flat_map(|v| v[offset..offset + PER_SET].iter().copied()).collect();
         values[joints] = pick(2 * PER_SET * k);
         values[weights] = pick(2 * PER_SET * k + PER_SET);
     }
@@ -35,7 +36,8 @@ pub fn blend(tables: &Tables, mesh: &Mesh, vertices: u64, values: &mut [Vec<f32>
 
 /// Attribute indices of (JOINTS_n, WEIGHTS_n) with n from 0.
 fn sets(mesh: &Mesh) -> Vec<(usize, usize)> {
-    let find = |semantic: String| mesh.attributes.iter().position(|a| a.semantic == semantic && a.components == PER_SET);
+    let find =
+        |semantic: String| mesh.attributes.iter().position(|a| a.semantic == semantic && a.components == PER_SET);
     (0..).map_while(|n| Some((find(format!("JOINTS_{n}"))?, find(format!("WEIGHTS_{n}"))?))).collect()
 }
 
@@ -63,7 +65,8 @@ fn influences(mesh: &Mesh, sets: &[(usize, usize)], av: [u32; 3], b: [f32; 3]) -
         for &(joints, weights) in sets {
             for k in 0..PER_SET {
                 let at = av as usize * PER_SET + k;
-                let (joint, weight) = (mesh.attributes[joints].values[at] as u32, mesh.attributes[weights].values[at] * b);
+                let (joint, weight) =
+                    (mesh.attributes[joints].values[at] as u32, mesh.attributes[weights].values[at] * b);
                 match all.iter_mut().find(|(known, _)| *known == joint) {
                     Some((_, sum)) => *sum += weight,
                     None if weight > 0.0 => all.push((joint, weight)),
@@ -79,8 +82,7 @@ fn influences(mesh: &Mesh, sets: &[(usize, usize)], av: [u32; 3], b: [f32; 3]) -
 /// Writes the strongest influences as sets of four joints and four weights, scaled to the full sum.
 fn strongest(influences: &[(u32, f32)], out: &mut [f32]) {
     let kept = &influences[..influences.len().min(out.len() / 2)];
-    let (total, held): (f32, f32) =
-        (influences.iter().map(|i| i.1).sum(), kept.iter().map(|i| i.1).sum());
+    let (total, held): (f32, f32) = (influences.iter().map(|i| i.1).sum(), kept.iter().map(|i| i.1).sum());
     for (k, (joint, weight)) in kept.iter().enumerate() {
         let at = 2 * PER_SET * (k / PER_SET) + k % PER_SET;
         out[at] = *joint as f32;

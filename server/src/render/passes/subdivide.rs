@@ -17,11 +17,7 @@ pub fn blocks(tables: &Tables) -> [(u32, u64, u64); 3] {
     let corners = u64::from(tables.lattice.corners);
     let edges = u64::from(tables.lattice.edges) * edge_points(level);
     let interiors = tables.base_triangles.len() as u64 * interior_points(level);
-    [
-        (block::CORNERS, 0, corners),
-        (block::EDGES, corners, edges),
-        (block::INTERIORS, corners + edges, interiors),
-    ]
+    [(block::CORNERS, 0, corners), (block::EDGES, corners, edges), (block::INTERIORS, corners + edges, interiors)]
 }
 
 pub fn record(recorder: &mut Recorder<'_>, tables: &Tables, base: &BaseStreams, fine: &FineStreams) -> Result<()> {
