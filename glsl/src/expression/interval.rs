@@ -41,6 +41,12 @@ impl Interval {
         Self::outward(lo, hi)
     }
 
+    /// Whether the interval is `width` wide or wider, or its width is not a number.
+    fn is_at_least(self, width: f64) -> bool {
+        let own = self.hi - self.lo;
+        own >= width || own.is_nan()
+    }
+
     /// Whether `phase + k period` lies inside for some whole k, erring on the side of yes.
     fn meets(self, phase: f64, period: f64) -> bool {
         let slack = 1e-12 * (1.0 + self.lo.abs().max(self.hi.abs()));
@@ -86,7 +92,7 @@ impl Number for Interval {
         self.sub(Self::constant(FRAC_PI_2)).cos()
     }
     fn cos(self) -> Self {
-        if !(self.hi - self.lo < TAU) {
+        if self.is_at_least(TAU) {
             return Self { lo: -1.0, hi: 1.0 };
         }
         let ends = Self::hull(&[self.lo.cos(), self.hi.cos()]);
@@ -96,7 +102,7 @@ impl Number for Interval {
         }
     }
     fn tan(self) -> Self {
-        if !(self.hi - self.lo < PI) || self.meets(FRAC_PI_2, PI) { Self::WHOLE } else { self.rising(f64::tan) }
+        if self.is_at_least(PI) || self.meets(FRAC_PI_2, PI) { Self::WHOLE } else { self.rising(f64::tan) }
     }
     fn sqrt(self) -> Self {
         if self.lo < 0.0 { Self::WHOLE } else { self.rising(f64::sqrt) }
