@@ -256,7 +256,7 @@ mod tests {
         let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
         let image = read.from_buffered(Cursor::new(&files[0].bytes)).unwrap();
         let channels = &image.layer_data[0].channel_data.list;
-        let channel = |name: &str| &channels.iter().find(|c| c.name == Text::from(name)).unwrap().sample_data;
+        let channel = |name: &str| &channels.iter().find(|c| c.name == *name).unwrap().sample_data;
         assert_eq!(*channel("triangle.id"), FlatSamples::U32(vec![7, u32::MAX]));
         assert_eq!(*channel("Z"), FlatSamples::F32(vec![1.5, f32::INFINITY]));
         assert_eq!(*channel("B"), FlatSamples::F32(vec![1.0, 2.0]));

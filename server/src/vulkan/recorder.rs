@@ -37,11 +37,14 @@ pub struct PassTime {
     pub bytes: u64,
 }
 
+/// Told the name of a pass, and how many of how many threads have run.
+type Observe<'a> = Box<dyn Fn(&str, u64, u64) + 'a>;
+
 /// Records and runs one job. Dropped without `finish`, it has run some prefix of what was recorded.
 pub struct Recorder<'a> {
     device: Arc<Device>,
     cancelled: Box<dyn Fn() -> bool + 'a>,
-    observe: Box<dyn Fn(&str, u64, u64) + 'a>,
+    observe: Observe<'a>,
     /// Only absent once a run has failed or the recorder is finished.
     batch: Option<Batch>,
     /// Expected time of what the batch holds.
@@ -50,11 +53,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    pub(crate) fn new(
-        device: &Arc<Device>,
-        cancelled: Box<dyn Fn() -> bool + 'a>,
-        observe: Box<dyn Fn(&str, u64, u64) + 'a>,
-    ) -> Self {
+    pub(crate) fn new(device: &Arc<Device>, cancelled: Box<dyn Fn() -> bool + 'a>, observe: Observe<'a>) -> Self {
         Self { device: device.clone(), cancelled, observe, batch: None, pending_ns: 0.0, times: Vec::new() }
     }
 

@@ -148,7 +148,7 @@ impl Stream {
 fn new_pages(device: &Device, name: &str, element_bytes: u32, len: u64) -> Result<Vec<Buffer>> {
     let page_len = 1u64 << device.page_shift();
     let stride = u64::from(element_bytes);
-    if element_bytes == 0 || element_bytes % 4 != 0 {
+    if element_bytes == 0 || !element_bytes.is_multiple_of(4) {
         return Err(Error::internal(format!("'{name}' has elements of {element_bytes} bytes; words of 4 are allowed")));
     }
     if len > page_len * MAX_PAGES || len.min(page_len) * stride > MAX_BINDING_BYTES {

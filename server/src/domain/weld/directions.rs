@@ -76,7 +76,8 @@ fn mitre(normals: &[(DVec3, f64)], total: f64) -> DVec3 {
     }
     let solution = solve_minimum_norm(matrix, right);
     let least = normals.iter().filter(|(_, w)| *w > 0.0).map(|(n, _)| n.dot(solution)).fold(f64::INFINITY, f64::min);
-    if !(least > LEAST_OFFSET) { mean(normals) } else { solution.clamp_length_max(MITRE_LIMIT) }
+    // A least that is not a number takes the mean too.
+    if least > LEAST_OFFSET { solution.clamp_length_max(MITRE_LIMIT) } else { mean(normals) }
 }
 
 fn mean(normals: &[(DVec3, f64)]) -> DVec3 {

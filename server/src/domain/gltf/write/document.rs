@@ -160,7 +160,7 @@ pub(super) fn drop_compression(document: &mut Value) {
         elements(document, key).for_each(drop_compression_of);
     }
     elements(document, "meshes").flat_map(|mesh| elements(mesh, "primitives")).for_each(drop_compression_of);
-    drop_names(document, |name| is_compression(name));
+    drop_names(document, is_compression);
 }
 
 fn drop_compression_of(value: &mut Value) {

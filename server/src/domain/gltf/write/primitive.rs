@@ -191,16 +191,13 @@ impl<'a> Part<'a> {
     }
 
     /// A stream that this part owns, copies included.
-    fn own<'b, T: bytemuck::NoUninit>(
+    fn own<'b, T: bytemuck::NoUninit + Sync>(
         &'b self,
         builder: &mut Builder<'b>,
         component: u32,
         components: usize,
         values: &'b [T],
-    ) -> usize
-    where
-        T: Sync,
-    {
+    ) -> usize {
         let fill = move |out: &mut [u8]| out.copy_from_slice(bytemuck::cast_slice(values));
         builder.stream(self.stream(component, components, None), Box::new(fill))
     }
