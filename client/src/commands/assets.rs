@@ -45,7 +45,7 @@ async fn get(session: &Session, name: &str, output: &Path, terminal: &mut Termin
     }
     let target = Target::new(output)?;
     download(session.connection().await?, &digest, &target, &progress).await?;
-    let path = target.path().display().to_string();
+    let path = target.named().display().to_string();
     let words = format!("{path}  {}\n", bytes(digest.size_bytes));
     terminal.report(&json!({ "path": path, "name": resource_name(&digest), "bytes": digest.size_bytes }), &words)
 }

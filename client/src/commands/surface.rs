@@ -80,7 +80,7 @@ pub(super) async fn save(
         let digest = output.digest.as_ref().ok_or_else(|| unnamed(output))?;
         download(connection, digest, target, &progress).await?;
         written.push(Written {
-            path: target.path().display().to_string(),
+            path: target.named().display().to_string(),
             digest: format!("{}/{}", digest.hash, digest.size_bytes),
             bytes: digest.size_bytes,
             media_type: output.media_type.clone(),

@@ -42,7 +42,7 @@ impl Target {
     }
 
     /// As the user named it.
-    pub(crate) fn path(&self) -> &Path {
+    pub(crate) fn named(&self) -> &Path {
         &self.named
     }
 
