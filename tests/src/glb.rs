@@ -60,9 +60,9 @@ fn append(bin: &mut Vec<u8>, bytes: &[u8]) -> Value {
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     let mut range = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for p in positions {
-        for k in 0..3 {
-            range.0[k] = range.0[k].min(p[k]);
-            range.1[k] = range.1[k].max(p[k]);
+        for (k, &value) in p.iter().enumerate() {
+            range.0[k] = range.0[k].min(value);
+            range.1[k] = range.1[k].max(value);
         }
     }
     range
