@@ -91,7 +91,7 @@ impl Bench {
             position: vec3(&p[i]),
             direction: vec3(&d[i]),
             uv: [f64::from(p[i][3]), f64::from(d[i][3])],
-            normal: n.get(i).map_or(DVec3::ZERO, |n| vec3(n)),
+            normal: n.get(i).map_or(DVec3::ZERO, vec3),
             tangent: t.get(i).map_or(DVec4::ZERO, |t| vec3(t).extend(f64::from(t[3]))),
         };
         (0..p.len()).map(base).collect()

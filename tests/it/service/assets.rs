@@ -67,7 +67,7 @@ async fn tenants_do_not_see_each_others_assets() {
         request
     };
     let missing = harness.assets().find_missing(of("other")).await.unwrap().into_inner().missing;
-    assert_eq!(missing, [digest.clone()]);
+    assert_eq!(missing, std::slice::from_ref(&digest));
     let status = harness.assets().find_missing(of("../default")).await.unwrap_err();
     assert_eq!(status.code(), Code::InvalidArgument);
 }
@@ -114,7 +114,10 @@ async fn damaged_bytes_are_data_loss_and_can_be_stored_again() {
     let status = read(&mut harness.assets(), &name_of(&digest), 0, 0).await.unwrap_err();
     assert_eq!(status.code(), Code::DataLoss);
     let request = v1::FindMissingRequest { digests: vec![digest.clone()] };
-    assert_eq!(harness.assets().find_missing(request).await.unwrap().into_inner().missing, [digest.clone()]);
+    assert_eq!(
+        harness.assets().find_missing(request).await.unwrap().into_inner().missing,
+        std::slice::from_ref(&digest)
+    );
     harness.put(b"whole bytes").await;
     assert_eq!(read(&mut harness.assets(), &name_of(&digest), 0, 0).await.unwrap(), b"whole bytes");
 }
