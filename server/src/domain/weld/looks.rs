@@ -110,7 +110,7 @@ impl Part {
     }
 }
 
-/// Words of normal and tangent at the start of a row.
+/// Words of normal and tangent (handedness first) at the start of a row.
 pub(super) const FIXED_WORDS: usize = 7;
 
 fn rows(input: &PrimitiveInput, wedges: &Wedges, attributes: &[Attribute]) -> (Vec<u32>, usize) {
@@ -124,7 +124,10 @@ fn rows(input: &PrimitiveInput, wedges: &Wedges, attributes: &[Attribute]) -> (V
         let tangent = input.tangents.as_ref().map_or([0.0; 4], |t| repaired_tangent(t[vertex], normal));
         let mut words = row.iter_mut();
         let mut put = |value: f32| words.next().into_iter().for_each(|word| *word = canonical_bits(value));
-        normal.into_iter().chain(tangent).for_each(&mut put);
+        // Handedness first: made tangents vary in their last bits with the order of the triangles, and the order of
+        // looks must not.
+        let [x, y, z, handedness] = tangent;
+        normal.into_iter().chain([handedness, x, y, z]).for_each(&mut put);
         for (attribute, own) in &of_union {
             let Some(own) = own else {
                 (0..attribute.components).for_each(|_| put(0.0));
@@ -151,7 +154,8 @@ impl Looks {
         for &wedge in &part.representatives {
             self.av_normal.push(array(floats(0..3, wedge)));
             if tangents {
-                self.av_tangent.push(array(floats(3..7, wedge)));
+                let [handedness, x, y, z] = array(floats(3..7, wedge));
+                self.av_tangent.push([x, y, z, handedness]);
             }
         }
         let mut start = FIXED_WORDS;
