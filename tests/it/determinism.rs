@@ -57,13 +57,15 @@ fn shapes(base: &Mesh, surface: &Surface) -> BTreeMap<Shape, u32> {
     counts
 }
 
+/// Heights need no tangents. Where a detail does, MikkTSpace sums over triangles in their order, and its last bits
+/// follow it.
 fn check_permuted(mesh: &TestMesh) {
     let Some(executor) = device::executor("determinism") else { return };
     let noise = detail(noise_height(64, 6), 0.1);
-    let base = mesh.to_mesh();
+    let base = mesh.to_mesh_without_tangents();
     let expected = shapes(&base, &displace(&*executor, &base, &noise, &uniform(3)));
     for seed in 0..3 {
-        let permuted = mesh.permuted(seed).to_mesh();
+        let permuted = mesh.permuted(seed).to_mesh_without_tangents();
         let found = shapes(&permuted, &displace(&*executor, &permuted, &noise, &uniform(3)));
         let changed = expected.keys().filter(|shape| !found.contains_key(*shape)).count();
         assert!(found == expected, "{}, seed {seed}: {changed} of {} triangles changed", mesh.name, expected.len());

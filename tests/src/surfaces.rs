@@ -31,12 +31,21 @@ pub fn uniform(level: u32) -> Geometry {
 }
 
 impl TestMesh {
-    /// The welded base mesh with tangents, as a loaded file gives it.
+    /// The welded base mesh with made tangents, as a detail in the tangent frame needs it.
     ///
     /// # Panics
     /// When the mesh cannot be welded: a test mesh is sound.
     #[must_use]
     pub fn to_mesh(&self) -> Mesh {
+        with_tangents(&self.to_mesh_without_tangents(), 0).expect("a test mesh has tangents")
+    }
+
+    /// The welded base mesh as a loaded file without tangents gives it.
+    ///
+    /// # Panics
+    /// When the mesh cannot be welded: a test mesh is sound.
+    #[must_use]
+    pub fn to_mesh_without_tangents(&self) -> Mesh {
         let uvs = VertexAttribute {
             semantic: "TEXCOORD_0".into(),
             components: 2,
@@ -49,8 +58,7 @@ impl TestMesh {
             triangles: self.triangles.clone(),
             ..PrimitiveInput::default()
         };
-        let mesh = weld(self.name, &[primitive]).expect("a test mesh welds");
-        with_tangents(&mesh, 0).expect("a test mesh has tangents")
+        weld(self.name, &[primitive]).expect("a test mesh welds")
     }
 }
 
