@@ -55,7 +55,7 @@ fn welded(mesh: &TestMesh) -> Mesh {
 }
 
 fn welded_with_tangents(mesh: &TestMesh) -> Mesh {
-    with_tangents(&welded(mesh), 0).expect("test meshes have texture coordinates")
+    with_tangents(&welded(mesh), |_| Some(0)).expect("test meshes have texture coordinates")
 }
 
 fn geometry(level: u32) -> Geometry {

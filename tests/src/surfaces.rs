@@ -37,7 +37,7 @@ impl TestMesh {
     /// When the mesh cannot be welded: a test mesh is sound.
     #[must_use]
     pub fn to_mesh(&self) -> Mesh {
-        with_tangents(&self.to_mesh_without_tangents(), 0).expect("a test mesh has tangents")
+        with_tangents(&self.to_mesh_without_tangents(), |_| Some(0)).expect("a test mesh has tangents")
     }
 
     /// The welded base mesh as a loaded file without tangents gives it.

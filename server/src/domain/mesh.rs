@@ -58,6 +58,8 @@ pub struct Primitive {
     pub gltf_primitive: usize,
     /// Index of the glTF material.
     pub material: Option<usize>,
+    /// The tangents were made for a detail; the file has none.
+    pub made_tangents: bool,
     pub avs: std::ops::Range<u32>,
     pub aes: std::ops::Range<u32>,
     pub triangles: std::ops::Range<u32>,
@@ -125,6 +127,11 @@ pub struct MeshHealth {
 }
 
 impl Mesh {
+    #[must_use]
+    pub fn has_tangents(&self, primitive: &Primitive) -> bool {
+        self.av_tangent.get(primitive.avs.start as usize).is_some_and(|t| t[3] != 0.0)
+    }
+
     #[must_use]
     pub fn attribute(&self, semantic: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.semantic == semantic)

@@ -6,6 +6,7 @@
 mod directions;
 mod edges;
 mod looks;
+mod mikktspace;
 mod places;
 mod tangents;
 mod wedges;
@@ -18,7 +19,8 @@ use super::{
     Error, Result,
     mesh::{Csr, Mesh, MeshHealth, Primitive, Triangle},
 };
-pub use tangents::{mikk_tangents, with_tangents};
+pub use mikktspace::mikk_tangents;
+pub use tangents::with_tangents;
 use wedges::Wedges;
 
 /// One triangle primitive as it comes out of a file, indices resolved.
@@ -32,6 +34,8 @@ pub struct PrimitiveInput {
     /// Flat normals are made where the file has none.
     pub normals: Option<Vec<[f32; 3]>>,
     pub tangents: Option<Vec<[f32; 4]>>,
+    /// The tangents are ours, not the file's.
+    pub made_tangents: bool,
     pub attributes: Vec<VertexAttribute>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -190,6 +194,7 @@ fn primitive_ranges(
         ranges.push(Primitive {
             gltf_primitive: input.gltf_primitive,
             material: input.material,
+            made_tangents: input.made_tangents,
             avs: avs[p].clone(),
             aes: first_ae..end_ae,
             triangles: first_triangle..end_triangle,

@@ -208,17 +208,18 @@ fn fitted(scene: &mut Scene, details: &maps::Details) -> Result<Vec<Vec<Option<A
             let Some(detail) = detail else { continue };
             require_uvs(&scene_mesh.mesh, p, detail)?;
         }
-        let tangent = of_primitive
-            .iter()
-            .flatten()
-            .find(|d| d.layers.iter().any(|layer| matches!(layer.source, LayerSource::VectorTangent(_))));
-        if let Some(detail) = tangent {
-            scene_mesh.mesh = weld::with_tangents(&scene_mesh.mesh, detail.uv_set)?;
+        let tangent_uv_set = |p: usize| of_primitive[p].as_deref().filter(|d| in_tangent_space(d)).map(|d| d.uv_set);
+        if (0..of_primitive.len()).any(|p| tangent_uv_set(p).is_some()) {
+            scene_mesh.mesh = weld::with_tangents(&scene_mesh.mesh, tangent_uv_set)?;
         }
         warn_of_terraces(&of_primitive, warnings);
         all.push(of_primitive);
     }
     Ok(all)
+}
+
+fn in_tangent_space(detail: &Detail) -> bool {
+    detail.layers.iter().any(|layer| matches!(layer.source, LayerSource::VectorTangent(_)))
 }
 
 fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {

@@ -182,7 +182,7 @@ fn mirrored_uvs_split_the_tangents_where_the_sheets_meet() {
         ..PrimitiveInput::default()
     };
     let plain = weld("mirror", &[input]).unwrap();
-    let mesh = with_tangents(&plain, 0).unwrap();
+    let mesh = with_tangents(&plain, |_| Some(0)).unwrap();
     check_invariants(&mesh);
     assert_eq!((plain.av_gv.len(), mesh.av_gv.len()), (6, 8));
     for (av, tangent) in mesh.av_tangent.iter().enumerate() {
@@ -191,7 +191,7 @@ fn mirrored_uvs_split_the_tangents_where_the_sheets_meet() {
         assert!(x * side >= 0.0, "u grows away from the mirror line");
         assert!((tangent[0].abs() - 1.0).abs() < 1e-6 && tangent[3] == side, "{tangent:?}");
     }
-    assert!(with_tangents(&plain, 1).unwrap_err().to_string().contains("TEXCOORD_1"));
+    assert!(with_tangents(&plain, |_| Some(1)).unwrap_err().to_string().contains("TEXCOORD_1"));
 }
 
 #[test]

@@ -34,7 +34,7 @@ impl<'a> Part<'a> {
     pub(super) fn new(scene: &Scene, gltf_mesh: usize, fine: Fine<'a>) -> Result<(Self, Option<Warning>)> {
         let bounds = bounds(&fine)?;
         let mut part = Self { gltf_mesh, bounds, tangents: None, split: None, skin: skin::blend(&fine), fine };
-        let warning = part.make_tangents(scene)?;
+        let warning = part.make_tangents(scene)?.or_else(|| part.without_tangent_deltas());
         Ok((part, warning))
     }
 
@@ -51,11 +51,20 @@ impl<'a> Part<'a> {
                 Err(error) => Err(error),
             };
         }
-        let first = self.fine.primitive.avs.start as usize;
-        if self.fine.mesh.av_tangent.get(first).is_some_and(|t| t[3] != 0.0) {
+        if self.fine.mesh.has_tangents(self.fine.primitive) && !self.fine.primitive.made_tangents {
             self.tangents = Some(skin::carried_tangents(&self.fine));
         }
         Ok(None)
+    }
+
+    /// Deltas of tangents mean nothing without tangents.
+    fn without_tangent_deltas(&self) -> Option<Warning> {
+        let is_delta = |a: &&Attribute| a.semantic.starts_with("targets/") && a.semantic.ends_with("/TANGENT");
+        let here = |a: &&Attribute| a.primitives[self.fine.index];
+        self.fine.mesh.attributes.iter().filter(|_| self.tangents.is_none()).find(|a| is_delta(a) && here(a))?;
+        let place = format!("meshes[{}].primitives[{}]", self.gltf_mesh, self.fine.primitive.gltf_primitive);
+        let message = format!("{place} has morph targets of tangents and no tangents: those are left out");
+        Some(Warning::new("tangent_targets_dropped", message))
     }
 
     fn no_tangents(&self, error: &Error) -> Warning {
@@ -128,7 +137,7 @@ impl<'a> Part<'a> {
                 continue;
             }
             match attribute.semantic.strip_prefix("targets/").and_then(|rest| rest.split_once('/')) {
-                // Deltas of tangents mean nothing without tangents.
+                // Told of by `without_tangent_deltas`.
                 Some((_, "TANGENT")) if self.tangents.is_none() => {}
                 Some((number, semantic)) => {
                     targets.put(number, semantic, self.target(builder, attribute, fine, semantic)?)
