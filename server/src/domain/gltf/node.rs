@@ -40,6 +40,7 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
             graph.cameras.push(read_camera(source, at, camera, world)?);
         }
         let Some(gltf_mesh) = mesh else { continue };
+        warn_of_weights(source, at)?;
         let world = skin.map_or(Ok(world), |skin| rest_pose(source, skin, &worlds))?;
         for world in instanced(source, at, world, limits.instances - graph.uses.len().min(limits.instances))? {
             graph.uses.push(Use { gltf_mesh, world_from_mesh: world.as_mat4().to_cols_array() });
@@ -49,6 +50,15 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
         }
     }
     Ok(graph)
+}
+
+/// Morph targets are kept and not applied.
+pub(super) fn warn_of_weights(source: &Source<'_>, at: &At<'_>) -> Result<()> {
+    if at.list("weights")?.iter().any(|weight| weight.value.as_f64() != Some(0.0)) {
+        let message = format!("{}.weights are not 0; the mesh is displaced and rendered with all of them 0", at.path);
+        source.warn("morph_weights", message);
+    }
+    Ok(())
 }
 
 fn too_many(at: &At<'_>, limit: usize) -> Error {
@@ -180,12 +190,20 @@ fn check_skins(source: &Source<'_>, nodes: usize) -> Result<()> {
 /// pose is the bind pose.
 fn rest_pose(source: &Source<'_>, skin: usize, worlds: &[Option<DMat4>]) -> Result<DMat4> {
     let skin = source.root.element("skins", skin)?;
-    let first = skin.list("joints")?.first().map(|joint| joint.index_here(worlds.len(), "nodes")).transpose()?;
-    let joint = first.and_then(|joint| worlds[joint]).unwrap_or(DMat4::IDENTITY);
-    let Some(at) = skin.get("inverseBindMatrices") else { return Ok(joint) };
-    let matrices = source.accessor(&at)?.floats(source)?;
-    let bind = matrices.first_chunk::<16>().map_or(DMat4::IDENTITY, |m| DMat4::from_cols_array(&m.map(f64::from)));
-    Ok(joint * bind)
+    let matrices = skin.get("inverseBindMatrices").map(|at| source.accessor(&at)?.floats(source)).transpose()?;
+    let binds = matrices.as_deref().unwrap_or_default().as_chunks::<16>().0;
+    let mut places = Vec::new();
+    for (k, joint) in skin.list("joints")?.iter().enumerate() {
+        let joint = worlds[joint.index_here(worlds.len(), "nodes")?].unwrap_or(DMat4::IDENTITY);
+        places.push(joint * binds.get(k).map_or(DMat4::IDENTITY, |m| DMat4::from_cols_array(&m.map(f64::from))));
+    }
+    let place = places.first().copied().unwrap_or(DMat4::IDENTITY);
+    let size = place.to_cols_array().iter().fold(1.0, |size: f64, entry| size.max(entry.abs()));
+    if !places.iter().all(|other| other.abs_diff_eq(place, 1e-3 * size)) {
+        let message = "at rest its joints stand otherwise than when they were bound; the mesh is displaced and rendered as it was bound, where its first joint puts it";
+        source.warn("posed_skin", format!("{}: {message}", skin.path));
+    }
+    Ok(place)
 }
 
 /// The node's instances by EXT_mesh_gpu_instancing, or the node itself.

@@ -4,6 +4,7 @@ use super::{
     Limits,
     accessor::{Accessor, Component},
     json::At,
+    node::warn_of_weights,
     source::Source,
 };
 use crate::domain::{
@@ -36,6 +37,7 @@ pub(super) fn read_all(source: &Source<'_>, limits: &Limits) -> Result<Vec<MeshI
             }
         }
         if !primitives.is_empty() {
+            warn_of_weights(source, mesh)?;
             let name = mesh.text("name")?.map_or_else(|| format!("mesh {gltf_mesh}"), str::to_owned);
             meshes.push(MeshInput { gltf_mesh, name, primitives });
         }

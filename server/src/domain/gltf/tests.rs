@@ -258,6 +258,38 @@ fn points_beside_triangles_pass_through() {
 }
 
 #[test]
+fn bounds_of_what_passes_through_are_made_right() {
+    let scene = load_quad(|document| {
+        let points = json!({ "attributes": { "POSITION": 4 }, "mode": 0 });
+        document["meshes"][0]["primitives"].as_array_mut().unwrap().push(points);
+        let mut positions = document["accessors"][0].clone();
+        positions["max"] = json!([1, 7, 0]);
+        document["accessors"].as_array_mut().unwrap().push(positions);
+    });
+    let written = rewritten(&scene.unwrap());
+    assert_eq!(written.warnings.len(), 1);
+    let mended = &container::split(&written.bytes.into(), &Limits::default()).unwrap().document["accessors"][0];
+    assert_eq!((&mended["min"], &mended["max"]), (&json!([0.0, 0.0, 0.0]), &json!([1.0, 1.0, 0.0])));
+}
+
+#[test]
+fn a_pose_and_morph_weights_that_are_not_shown_are_told_of() {
+    let codes = |scene: Scene| scene.warnings.iter().map(|w| w.code.clone()).collect::<Vec<_>>();
+    let bound = load_quad(|document| {
+        document["skins"] = json!([{ "joints": [1, 2] }]);
+        document["nodes"] = json!([{ "mesh": 0, "skin": 0, "children": [1, 2] }, {}, {}]);
+    });
+    assert!(!codes(bound.unwrap()).contains(&"posed_skin".into()));
+    let posed = load_quad(|document| {
+        document["skins"] = json!([{ "joints": [1, 2] }]);
+        document["nodes"] = json!([{ "mesh": 0, "skin": 0, "children": [1, 2] }, {}, { "translation": [0, 1, 0] }]);
+        document["meshes"][0]["weights"] = json!([0.5]);
+    });
+    let posed = codes(posed.unwrap());
+    assert!(posed.contains(&"posed_skin".into()) && posed.contains(&"morph_weights".into()), "{posed:?}");
+}
+
+#[test]
 fn tangents_split_vertices_where_uvs_are_mirrored() {
     let (document, mut bin) = quad();
     // The second triangle's u runs back: vertex 3 gets u = 2.

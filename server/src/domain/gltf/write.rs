@@ -1,6 +1,7 @@
 //! Scene and surfaces to one self-contained GLB: displaced primitives get fresh accessors, everything else
 //! of the document stays, and data nobody refers to any more is left out.
 
+mod bounds;
 mod document;
 mod fine;
 mod pack;
@@ -44,7 +45,7 @@ pub fn write(scene: &Scene, surfaces: &[Surface]) -> Result<Written> {
     }
     let mut builder = Builder::default();
     let kept = Kept::of(&mut document);
-    kept.copy(&mut document, scene, &mut builder)?;
+    kept.copy(&mut document, scene, &mut builder, &mut warnings)?;
     embed_images(&mut document, scene, &mut builder);
     for part in &parts {
         let (attributes, indices, targets) = part.write(&mut builder)?;

@@ -4,10 +4,11 @@ use std::collections::HashSet;
 
 use serde_json::{Map, Value};
 
-use super::pack::Builder;
+use super::{bounds, pack::Builder};
 use crate::domain::{
     Error, Result,
     gltf::extensions::{is_compression, refers_to_no_data},
+    report::Warning,
     scene::Scene,
 };
 
@@ -34,7 +35,14 @@ impl Kept {
     }
 
     /// Hands the kept accessors and views with their bytes to the builder and renumbers all references.
-    pub(super) fn copy(&self, document: &mut Value, scene: &Scene, builder: &mut Builder<'_>) -> Result<()> {
+    pub(super) fn copy(
+        &self,
+        document: &mut Value,
+        scene: &Scene,
+        builder: &mut Builder<'_>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<()> {
+        bounds::mend(document, &self.accessors, scene, warnings)?;
         let views = document.get("bufferViews").and_then(Value::as_array).cloned().unwrap_or_default();
         let new_view = renumbered(&self.views);
         for (view, _) in views.iter().zip(&self.views).filter(|(_, kept)| **kept) {
@@ -53,7 +61,7 @@ impl Kept {
     }
 }
 
-fn view_bytes(view: &Value, scene: &Scene) -> Result<bytes::Bytes> {
+pub(super) fn view_bytes(view: &Value, scene: &Scene) -> Result<bytes::Bytes> {
     let number = |key: &str| view.get(key).map_or(Some(0), index_of);
     let range = number("byteOffset").zip(number("byteLength")).map(|(start, length)| start..start + length);
     let buffer = number("buffer").and_then(|buffer| scene.buffers.get(buffer));
@@ -80,7 +88,7 @@ fn renumber(new: &[usize], index: &mut Value) {
 }
 
 /// Files may print 3 as 3.0.
-fn index_of(value: &Value) -> Option<usize> {
+pub(super) fn index_of(value: &Value) -> Option<usize> {
     value.as_u64().or_else(|| value.as_f64().map(|x| x as u64)).map(|x| x as usize)
 }
 
@@ -112,7 +120,7 @@ fn for_each_view_index(document: &mut Value, accessors: &[bool], visit: Visit<'_
     }
 }
 
-fn elements<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
+pub(super) fn elements<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
     value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
