@@ -3,6 +3,7 @@
 //! Height, vector and direction maps are data and never sRGB-decoded; colour maps are.
 
 mod color;
+mod float_tiff;
 mod pixels;
 mod resolve;
 

@@ -1,11 +1,11 @@
-//! Decoding image files without any colour conversion: PNG 8/16, JPEG, TIFF 8/16, Radiance HDR, OpenEXR.
+//! Decoding image files without any colour conversion: PNG 8/16, JPEG, TIFF 8/16 and float, Radiance HDR, OpenEXR.
 
 use std::io::Cursor;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 use rayon::prelude::*;
 
-use super::{MAX_MAP_PIXELS, MAX_MAP_TEXELS};
+use super::{MAX_MAP_PIXELS, MAX_MAP_TEXELS, float_tiff};
 use crate::domain::{Error, Result};
 
 /// A decoded image, channels interleaved, top row first.
@@ -73,7 +73,13 @@ impl Pixels {
 
 /// Decodes an image file. `field` names it in errors.
 pub fn decode(field: &str, bytes: &[u8]) -> Result<Pixels> {
-    let pixels = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) { exr(field, bytes)? } else { plain(field, bytes)? };
+    let pixels = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        exr(field, bytes)?
+    } else if let Some(heights) = float_tiff::decode(field, bytes)? {
+        heights
+    } else {
+        plain(field, bytes)?
+    };
     if let Values::F32(values) = &pixels.values
         && let Some(at) = values.par_iter().position_first(|v| !v.is_finite())
     {
@@ -84,7 +90,7 @@ pub fn decode(field: &str, bytes: &[u8]) -> Result<Pixels> {
     Ok(pixels)
 }
 
-fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
+pub(super) fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
     if width == 0 || height == 0 || width > MAX_MAP_PIXELS || height > MAX_MAP_PIXELS {
         return Err(Error::too_large(
             field,
