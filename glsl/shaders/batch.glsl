@@ -6,6 +6,9 @@
 layout(constant_id = 2) const uint BATCH = 1u;
 
 void main() {
+#ifdef PREPARE
+    PREPARE
+#endif
     uint group = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
     [[dont_unroll]] for (uint k = 0u; k < BATCH; ++k) {
         uint i = (group * BATCH + k) * 64u + gl_LocalInvocationID.x;

@@ -18,26 +18,26 @@ PAGED(1, readonly, vec4, base_direction_v);
 PAGED(2, readonly, float, texels);
 PAGED(3, , vec3, positions);
 
+Layer layer;
+#define PREPARE layer = params.layer;
+
 void element(uint i) {
     i += params.first;
     vec4 position_u = LOAD(base_position_u, i);
     vec4 direction_v = LOAD(base_direction_v, i);
-    vec2 p = texel_space(params.layer, vec2(position_u.w, direction_v.w));
+    vec2 p = texel_space(layer, vec2(position_u.w, direction_v.w));
     vec2 corner = floor(p);
     precise vec2 f = p - corner;
-    ivec2 c = ivec2(corner);
-    uint x0 = params.layer.first + uint(wrapped(params.layer.across, c.x));
-    uint x1 = params.layer.first + uint(wrapped(params.layer.across, c.x + 1));
-    uint y0 = uint(wrapped(params.layer.down, c.y)) * params.layer.row;
-    uint y1 = uint(wrapped(params.layer.down, c.y + 1)) * params.layer.row;
-    float t00 = LOAD(texels, y0 + x0);
-    float t10 = LOAD(texels, y0 + x1);
-    float t01 = LOAD(texels, y1 + x0);
-    float t11 = LOAD(texels, y1 + x1);
+    uvec3 x = wrapped(layer.across, integer(corner.x)) + layer.first;
+    uvec3 y = wrapped(layer.down, integer(corner.y)) * layer.row;
+    float t00 = LOAD(texels, y.x + x.x);
+    float t10 = LOAD(texels, y.x + x.y);
+    float t01 = LOAD(texels, y.y + x.x);
+    float t11 = LOAD(texels, y.y + x.y);
     precise float above = t00 * (1.0 - f.x) + t10 * f.x;
     precise float below = t01 * (1.0 - f.x) + t11 * f.x;
     precise float value = above * (1.0 - f.y) + below * f.y;
-    precise float height = (value - params.layer.midlevel) * params.layer.scale;
+    precise float height = (value - layer.midlevel) * layer.scale;
     vec3 from = params.accumulate == 0u ? position_u.xyz : LOAD(positions, i);
     precise vec3 position = from + direction_v.xyz * height;
     STORE(positions, i, position);

@@ -29,13 +29,10 @@ vec3 texel(const uint at) {
 vec3 bilinear(const vec2 p) {
     vec2 corner = floor(p);
     precise vec2 f = p - corner;
-    ivec2 c = ivec2(corner);
-    uint x0 = uint(wrapped(params.layer.across, c.x));
-    uint x1 = uint(wrapped(params.layer.across, c.x + 1));
-    uint y0 = uint(wrapped(params.layer.down, c.y)) * params.layer.row;
-    uint y1 = uint(wrapped(params.layer.down, c.y + 1)) * params.layer.row;
-    precise vec3 above = texel(y0 + x0) * (1.0 - f.x) + texel(y0 + x1) * f.x;
-    precise vec3 below = texel(y1 + x0) * (1.0 - f.x) + texel(y1 + x1) * f.x;
+    uvec3 x = wrapped(params.layer.across, integer(corner.x));
+    uvec3 y = wrapped(params.layer.down, integer(corner.y)) * params.layer.row;
+    precise vec3 above = texel(y.x + x.x) * (1.0 - f.x) + texel(y.x + x.y) * f.x;
+    precise vec3 below = texel(y.y + x.x) * (1.0 - f.x) + texel(y.y + x.y) * f.x;
     precise vec3 value = above * (1.0 - f.y) + below * f.y;
     return value;
 }

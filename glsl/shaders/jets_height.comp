@@ -23,12 +23,11 @@ layout(push_constant, scalar) uniform Params {
 vec3 map_jet(const Layer layer, const vec2 p) {
     vec2 corner = floor(p - 0.5);
     vec2 g = p - 0.5 - corner;
-    ivec2 c = ivec2(corner);
-    uvec3 x = layer.first + uvec3(wrapped(layer.across, c.x), wrapped(layer.across, c.x + 1), wrapped(layer.across, c.x + 2));
+    uvec3 x = wrapped(layer.across, integer(corner.x)) + layer.first;
+    uvec3 y = wrapped(layer.down, integer(corner.y)) * layer.row;
     vec3 sum = vec3(0.0);
     for (int row = 0; row < 3; ++row) {
-        uint y = uint(wrapped(layer.down, c.y + row)) * layer.row;
-        vec3 texel = vec3(LOAD(texels, y + x.x), LOAD(texels, y + x.y), LOAD(texels, y + x.z));
+        vec3 texel = vec3(LOAD(texels, y[row] + x.x), LOAD(texels, y[row] + x.y), LOAD(texels, y[row] + x.z));
         vec2 a = tap_weights(0, g.x), b = tap_weights(1, g.x), d = tap_weights(2, g.x);
         vec2 across = vec2(dot(texel, vec3(a.x, b.x, d.x)), dot(texel, vec3(a.y, b.y, d.y)));
         vec2 down = tap_weights(row, g.y);

@@ -23,14 +23,13 @@ layout(push_constant, scalar) uniform Params {
 mat3 map_jet(const Layer layer, const vec2 p) {
     vec2 corner = floor(p - 0.5);
     vec2 g = p - 0.5 - corner;
-    ivec2 c = ivec2(corner);
+    uvec3 x = wrapped(layer.across, integer(corner.x));
+    uvec3 y = wrapped(layer.down, integer(corner.y)) * layer.row;
     mat3 sum = mat3(0.0);
     for (int k = 0; k < 9; ++k) {
         int row = k / 3;
         int column = k - 3 * row;
-        uint x = uint(wrapped(layer.across, c.x + column));
-        uint y = uint(wrapped(layer.down, c.y + row));
-        uint at = layer.first + 3u * (y * layer.row + x);
+        uint at = layer.first + 3u * (y[row] + x[column]);
         vec3 texel;
         for (uint channel = 0u; channel < 3u; ++channel) {
             texel[channel] = LOAD(texels, at + channel);

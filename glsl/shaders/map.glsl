@@ -30,8 +30,8 @@ const uint VECTOR_TANGENT = 1u;
 const uint VECTOR_OBJECT = 2u;
 const uint EXPRESSION = 3u;
 
-// Texel space is cut off where f32 no longer tells texels apart.
-const float FARTHEST_TEXEL = 8388608.0;
+// Texel space is cut off where f32 tells no more than halves of texels apart.
+const float FARTHEST_TEXEL = 4194304.0;
 
 vec2 texel_space(const Layer layer, const vec2 uv) {
     precise vec2 p = vec2(
@@ -41,11 +41,26 @@ vec2 texel_space(const Layer layer, const vec2 uv) {
     return clamp(p, -FARTHEST_TEXEL, FARTHEST_TEXEL);
 }
 
-int wrapped(const MapAxis axis, int i) {
-    i = clamp(i, axis.low, axis.high);
-    int r = i - int(floor(float(i) * axis.inverse_period)) * axis.period;
+// A whole number of at most 2^22 as an integer. Adding 1.5 * 2^23 puts it into the lowest bits: software devices
+// convert numbers one by one, with tests for what does not fit.
+int integer(const float whole) {
+    precise float shifted = whole + 12582912.0;
+    return floatBitsToInt(shifted) - 0x4B400000;
+}
+
+// Texel number of lattice coordinate i, whose remainder modulo the period is r.
+uint texel_number(const MapAxis axis, const int i, const int r) {
+    int inside = i < 0 || i > axis.top ? r : i;
+    return uint(min(inside, axis.fold - inside));
+}
+
+// Texel numbers of the lattice coordinates first, first + 1 and first + 2.
+uvec3 wrapped(const MapAxis axis, const int first) {
+    ivec3 i = clamp(first + ivec3(0, 1, 2), axis.low, axis.high);
+    int r = i.x - integer(floor(float(i.x) * axis.inverse_period)) * axis.period;
     r += r < 0 ? axis.period : 0;
     r -= r >= axis.period ? axis.period : 0;
-    r = i < 0 || i > axis.top ? r : i;
-    return min(r, axis.fold - r);
+    int next = r + 1 < axis.period ? r + 1 : 0;
+    int last = next + 1 < axis.period ? next + 1 : 0;
+    return uvec3(texel_number(axis, i.x, r), texel_number(axis, i.y, next), texel_number(axis, i.z, last));
 }

@@ -14,7 +14,7 @@ use crate::domain::{
 };
 
 /// Far outside every map, and exact in f32.
-const FAR: i32 = 1 << 24;
+const FAR: i32 = 1 << 23;
 /// Fold that changes nothing.
 const NO_FOLD: i32 = 1 << 30;
 
