@@ -7,11 +7,15 @@ mod need;
 mod retry;
 mod status;
 
-use std::time::Duration;
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
 
 use displace_proto::v1::{
     assets_client::AssetsClient, displacement_client::DisplacementClient, server_client::ServerClient,
 };
+use tokio::task::JoinSet;
 use tonic::{
     Request,
     transport::{Channel, Endpoint},
@@ -35,13 +39,16 @@ pub(crate) const MESH_DEADLINE: Duration = Duration::from_secs(600);
 pub(crate) const STREAM_DEADLINE: Duration = Duration::from_secs(6 * 3600);
 
 /// Seconds a job goes on at a server elsewhere when this client is gone: long enough to call again after a
-/// lost connection, short enough that Ctrl-C soon frees the device.
+/// lost connection. Ctrl-C says farewell instead, which ends the job at once.
 const REMOTE_LINGER_SECS: u32 = 5;
+/// How long saying farewell to a server may keep an interrupted command.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// An open way to a server.
 pub(crate) struct Connection {
     channel: Channel,
     pub(crate) linger_secs: u32,
+    farewells: Mutex<JoinSet<()>>,
     #[cfg(feature = "local")]
     local: Option<local::LocalServer>,
 }
@@ -65,6 +72,7 @@ impl Connection {
         Ok(Self {
             channel,
             linger_secs: REMOTE_LINGER_SECS,
+            farewells: Mutex::default(),
             #[cfg(feature = "local")]
             local: None,
         })
@@ -73,7 +81,7 @@ impl Connection {
     #[cfg(feature = "local")]
     async fn local(global: &Global, need: Need) -> Result<Self> {
         let (server, channel) = local::LocalServer::start(global, need).await?;
-        Ok(Self { channel, linger_secs: 0, local: Some(server) })
+        Ok(Self { channel, linger_secs: 0, farewells: Mutex::default(), local: Some(server) })
     }
 
     #[cfg(not(feature = "local"))]
@@ -98,8 +106,16 @@ impl Connection {
         HealthClient::new(self.channel.clone())
     }
 
-    /// Lets the service in this process put its work away. Quick: nothing of the user's waits for it.
+    /// A last word to the server, which closing waits for.
+    pub(crate) fn farewell(&self, word: impl Future<Output = ()> + Send + 'static) {
+        self.farewells.lock().unwrap_or_else(PoisonError::into_inner).spawn(word);
+    }
+
+    /// Lets farewells out and the service in this process put its work away. Quick: nothing of the user's
+    /// waits for it.
     pub(crate) async fn close(self) {
+        let mut farewells = self.farewells.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let _ = tokio::time::timeout(FAREWELL, async { while farewells.join_next().await.is_some() {} }).await;
         #[cfg(feature = "local")]
         if let Some(local) = self.local {
             drop(self.channel);

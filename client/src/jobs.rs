@@ -3,10 +3,13 @@
 
 use displace_proto::{
     rpc,
-    v1::{DisplaceRequest, JobResult, JobUpdate, RenderRequest, job_update::Update},
+    v1::{
+        DisplaceRequest, JobResult, JobUpdate, RenderRequest, displacement_client::DisplacementClient,
+        job_update::Update,
+    },
 };
 use prost::Message as _;
-use tonic::{Code, Response, Status, Streaming};
+use tonic::{Code, Response, Status, Streaming, transport::Channel};
 
 use crate::{
     connection::{Attempts, Connection, STREAM_DEADLINE, failure, is_transient, missing_assets, request},
@@ -26,8 +29,19 @@ pub(crate) enum Job {
 }
 
 impl Job {
-    async fn call(&self, connection: &Connection) -> Result<Response<Streaming<JobUpdate>>, Status> {
-        let mut client = connection.displacement();
+    /// The same job for a caller who waits no longer.
+    fn given_up(mut self) -> Self {
+        let surface = match &mut self {
+            Self::Displace(request) => Some(request),
+            Self::Render(request) => request.surface.as_mut(),
+        };
+        if let Some(surface) = surface {
+            (surface.linger_secs, surface.fresh) = (Some(0), false);
+        }
+        self
+    }
+
+    async fn call(&self, client: &mut DisplacementClient<Channel>) -> Result<Response<Streaming<JobUpdate>>, Status> {
         match self.clone() {
             Self::Displace(message) => client.displace(request(message, STREAM_DEADLINE)).await,
             Self::Render(message) => client.render(request(message, STREAM_DEADLINE)).await,
@@ -72,7 +86,37 @@ async fn to_the_end(connection: &Connection, job: &Job, progress: Progress) -> R
 }
 
 async fn listen(connection: &Connection, job: &Job, bar: &Bar, attempts: &mut Attempts) -> Result<JobResult, Status> {
-    let mut updates = job.call(connection).await?.into_inner();
+    let mut updates = job.call(&mut connection.displacement()).await?.into_inner();
+    let mut presence = Presence { connection, job, over: false };
+    let result = follow(&mut updates, bar, attempts).await;
+    presence.over = true;
+    result
+}
+
+/// Dropped before the job is over when the user gives up. A stream that merely ends looks like a lost
+/// connection, and the job lingers; joining once more without lingering ends it.
+struct Presence<'a> {
+    connection: &'a Connection,
+    job: &'a Job,
+    over: bool,
+}
+
+impl Drop for Presence<'_> {
+    fn drop(&mut self) {
+        if self.over || self.connection.linger_secs == 0 {
+            return;
+        }
+        let (mut client, job) = (self.connection.displacement(), self.job.clone().given_up());
+        self.connection.farewell(async move {
+            if let Ok(updates) = job.call(&mut client).await {
+                // The first update tells that the server has joined it.
+                let _ = updates.into_inner().message().await;
+            }
+        });
+    }
+}
+
+async fn follow(updates: &mut Streaming<JobUpdate>, bar: &Bar, attempts: &mut Attempts) -> Result<JobResult, Status> {
     while let Some(JobUpdate { update }) = updates.message().await? {
         match update {
             Some(Update::Queued(queued)) => bar.queued(queued.position),

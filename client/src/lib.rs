@@ -29,6 +29,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, error::ContextKind};
 use commands::Session;
 use error::{Error, Kind, Result};
 use output::Terminal;
+use tracing_subscriber::{Layer as _, filter::Targets, layer::SubscriberExt as _, util::SubscriberInitExt as _};
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
@@ -129,17 +130,13 @@ fn dispatch(cli: Cli, matches: &ArgMatches, terminal: &mut Terminal<'_>) -> Resu
     outcome
 }
 
-/// Runs the command. Ctrl-C drops it, which resets its streams: the server sees its listener leave.
+/// Runs the command. Ctrl-C drops it: a job under way then says farewell to its server.
 async fn until_interrupted(cli: Cli, matches: &ArgMatches, terminal: &mut Terminal<'_>) -> Result<()> {
     let session = Session::new(&cli);
     let outcome = tokio::select! {
         outcome = commands::run(&session, cli, matches, terminal) => outcome,
         () = interrupt() => Err(Error::interrupted()),
     };
-    if matches!(&outcome, Err(error) if error.kind == Kind::Interrupted) {
-        // The resets leave with the connection's next write.
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
     session.close().await;
     outcome
 }
@@ -159,6 +156,7 @@ fn log(global: &Global) {
         2 => "displace_client=debug,displace_server=debug",
         _ => "trace",
     };
-    let filter = tracing_subscriber::EnvFilter::new(level);
-    let _ = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).try_init();
+    let filter: Targets = level.parse().unwrap_or_default();
+    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(filter);
+    let _ = tracing_subscriber::registry().with(lines).try_init();
 }

@@ -61,6 +61,7 @@ pub(super) struct Job {
 #[derive(Debug)]
 struct Listening {
     count: usize,
+    /// As the last call wants it: a client that gives up says so by calling with 0 and leaving.
     linger: Duration,
     /// Rises whenever somebody comes, so that an old timer does not fire.
     epoch: u64,
@@ -91,7 +92,7 @@ impl Job {
         }
         listening.count += 1;
         listening.epoch += 1;
-        listening.linger = listening.linger.max(linger);
+        listening.linger = linger;
         Some(Listener::of_job(Arc::clone(self), on_abandoned))
     }
 

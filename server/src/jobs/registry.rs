@@ -33,7 +33,7 @@ pub struct JobOptions {
 pub struct Submission {
     /// Compute even if the result is stored.
     pub fresh: bool,
-    /// Less than the server's linger.
+    /// Less than the server's linger. The last call that joined decides.
     pub linger: Option<Duration>,
 }
 

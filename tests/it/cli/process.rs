@@ -6,7 +6,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use displace_tests::{cli::Displace, data::sample};
+use displace_server::config::Config;
+use displace_tests::{cli::Displace, data::sample, server};
 
 #[test]
 fn the_command_brings_its_own_service() {
@@ -53,23 +54,14 @@ fn a_reader_that_leaves_early_is_no_fault() {
     assert!(child.wait().unwrap().success());
 }
 
-#[test]
-fn an_interrupt_is_code_130_and_leaves_no_output() {
-    let displace = Displace::default();
+/// Interrupts a long job after a while; its exit code and standard output.
+fn interrupted(displace: &Displace, place: [&str; 2]) -> (Option<i32>, String) {
     let mesh = sample("models/torus.gltf");
     let mut child = displace
         .command()
-        .args([
-            "apply",
-            mesh.to_str().unwrap(),
-            "--expr",
-            "0.01*sin(900*u)*cos(800*v)",
-            "--uniform",
-            "6",
-            "-o",
-            "out.glb",
-        ])
-        .args(["--device", "reference", "--json"])
+        .args(["apply", mesh.to_str().unwrap(), "--expr", "0.01*sin(900*u)*cos(800*v)", "--uniform", "6"])
+        .args(["-o", "out.glb", "--json"])
+        .args(place)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -78,10 +70,17 @@ fn an_interrupt_is_code_130_and_leaves_no_output() {
     let sent = Instant::now();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let code = child.wait().unwrap().code();
+    assert!(sent.elapsed() < Duration::from_secs(5), "{:?}", sent.elapsed());
     let mut stdout = String::new();
     child.stdout.take().unwrap().read_to_string(&mut stdout).unwrap();
+    (code, stdout)
+}
+
+#[test]
+fn an_interrupt_is_code_130_and_leaves_no_output() {
+    let displace = Displace::default();
+    let (code, stdout) = interrupted(&displace, ["--device", "reference"]);
     assert_eq!(code, Some(130), "{stdout}");
-    assert!(sent.elapsed() < Duration::from_secs(5), "{:?}", sent.elapsed());
     assert!(stdout.contains("\"interrupted\""), "{stdout}");
     let left: Vec<_> = std::fs::read_dir(displace.folder())
         .unwrap()
@@ -89,6 +88,20 @@ fn an_interrupt_is_code_130_and_leaves_no_output() {
         .filter(|name| name.to_string_lossy().contains("glb"))
         .collect();
     assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn an_interrupt_ends_the_job_at_a_server_elsewhere() {
+    let url = server::start(Config { device: "reference".into(), ..Config::default() });
+    let status = || server::displace(&["status", "--server", &url, "--json"]).json();
+    let (code, stdout) = interrupted(&Displace::default(), ["--server", &url]);
+    assert_eq!(code, Some(130), "{stdout}");
+    let left_at = Instant::now();
+    while status()["running_jobs"] != 0 {
+        // Well before the job would be given up for lost.
+        assert!(left_at.elapsed() < Duration::from_secs(2));
+    }
+    assert_eq!(status()["jobs"][0]["cancelled"], 1);
 }
 
 #[test]

@@ -86,6 +86,24 @@ async fn cancelling_reaches_the_work_within_250_ms() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_client_that_gives_up_ends_a_lingering_job_within_250_ms() {
+    let harness = Harness::start().await;
+    let request = harness.request("run 20000").await;
+    let stream = harness.jobs().displace(request.clone()).await.unwrap().into_inner();
+    harness.until_running(1).await;
+    drop(stream);
+    let left_at = Instant::now();
+    let farewell = v1::DisplaceRequest { linger_secs: Some(0), ..request };
+    let mut updates = harness.jobs().displace(farewell).await.unwrap().into_inner();
+    updates.message().await.unwrap();
+    drop(updates);
+    until(|| harness.spy.stopped_at.lock().unwrap().is_some()).await;
+    let stopped_at = harness.spy.stopped_at.lock().unwrap().unwrap();
+    assert!(stopped_at - left_at < Duration::from_millis(250), "{:?}", stopped_at - left_at);
+    assert_eq!(harness.runs(), 1);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_job_lingers_for_a_client_that_comes_back() {
     let harness = Harness::start().await;
     let request = harness.request("run 600").await;
