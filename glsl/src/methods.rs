@@ -1,7 +1,7 @@
 //! The methods that realise a detail: one enum, one table.
 
 /// How a detail is realised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
 pub enum Method {
     Flat,
     #[default]
@@ -15,7 +15,7 @@ pub struct MethodRow {
     pub method: Method,
     pub name: &'static str,
     pub summary: &'static str,
-    /// What of the detail can be seen.
+    /// The kinds of detail it can show.
     pub represents: &'static [&'static str],
     /// Where the cost lies.
     pub cost: &'static str,
@@ -26,23 +26,23 @@ pub const METHODS: &[MethodRow] = &[
     MethodRow {
         method: Method::Flat,
         name: "flat",
-        summary: "the base mesh as it is; the detail is not shown",
+        summary: "The mesh as it is, subdivided, without its detail.",
         represents: &[],
-        cost: "nothing beyond the base mesh",
+        cost: "triangles",
     },
     MethodRow {
         method: Method::Displacement,
         name: "displacement",
-        summary: "moves vertices along the welded normal by a height (Cook 1984)",
-        represents: &["silhouette", "self-occlusion", "self-shadow", "parallax", "shading"],
-        cost: "triangles",
+        summary: "Moves vertices along the welded direction by heights (Cook 1984).",
+        represents: &["height", "expression"],
+        cost: "triangles; per vertex one map lookup a layer",
     },
     MethodRow {
         method: Method::Vector,
         name: "vector",
-        summary: "moves vertices by a vector, so that overhangs and concave shapes are possible",
-        represents: &["silhouette", "self-occlusion", "self-shadow", "parallax", "shading", "overhangs"],
-        cost: "triangles",
+        summary: "Moves vertices by vectors, so that overhangs are possible.",
+        represents: &["vector", "expression"],
+        cost: "triangles; per vertex one map lookup a layer",
     },
 ];
 
@@ -52,8 +52,9 @@ impl Method {
         METHODS.iter().find(|row| row.method == self).unwrap_or(&METHODS[0])
     }
 
+    /// As the command line and the report write it.
     #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        METHODS.iter().find(|row| row.name == name).map(|row| row.method)
+    pub fn name(self) -> &'static str {
+        self.row().name
     }
 }

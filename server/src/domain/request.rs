@@ -3,6 +3,7 @@
 //! Serialised, they are the canonical form that result keys are made of: defaults are filled in, so equal
 //! requests give equal bytes.
 
+pub use displace_glsl::methods::Method;
 use serde::Serialize;
 
 use super::{
@@ -64,26 +65,6 @@ pub struct RenderRequest {
     pub look: Look,
     pub aovs: Vec<Aov>,
     pub format: ImageFormat,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
-pub enum Method {
-    Flat,
-    #[default]
-    Displacement,
-    Vector,
-}
-
-impl Method {
-    /// As the command line and the report write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Displacement => "displacement",
-            Self::Vector => "vector",
-        }
-    }
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,5 +1,6 @@
 //! Handlers of `displace.v1.Server`.
 
+use displace_glsl::methods::{METHODS, MethodRow};
 use displace_proto::v1::{self, server_server::Server};
 use tonic::{Request, Response, Status};
 
@@ -24,7 +25,7 @@ impl Server for ServerService {
             mesh_formats: words(&["model/gltf-binary", "model/gltf+json"]),
             map_formats: words(&["image/png", "image/jpeg", "image/tiff", "image/x-exr", "image/vnd.radiance"]),
             output_formats: words(&["model/gltf-binary", "image/png", "image/x-exr"]),
-            methods: methods(),
+            methods: METHODS.iter().map(to_method).collect(),
             devices: vec![v1::DeviceInfo {
                 name: self.0.jobs.device_name().into(),
                 device_class: self.0.jobs.device_class().into(),
@@ -75,24 +76,13 @@ impl ServerService {
     }
 }
 
-/// What this version has; the names are those the command line takes.
-fn methods() -> Vec<v1::MethodInfo> {
-    let method = |name: &str, summary: &str, represents: &[&str], cost: &str| v1::MethodInfo {
-        name: name.into(),
-        summary: summary.into(),
-        represents: words(represents),
-        cost: cost.into(),
-    };
-    vec![
-        method("flat", "The mesh as it is, subdivided, without its detail.", &[], "triangles"),
-        method(
-            "displacement",
-            "Moves vertices along the welded direction by heights, and by vectors where a layer holds such.",
-            &["height", "vector", "expression"],
-            "triangles; per vertex one map lookup a layer",
-        ),
-        method("vector", "Moves vertices by vectors.", &["vector"], "triangles; per vertex one map lookup a layer"),
-    ]
+fn to_method(row: &MethodRow) -> v1::MethodInfo {
+    v1::MethodInfo {
+        name: row.name.into(),
+        summary: row.summary.into(),
+        represents: words(row.represents),
+        cost: row.cost.into(),
+    }
 }
 
 fn to_statistics(kind: &str, method: &str, totals: &KindTotals) -> v1::JobStatistics {
