@@ -42,6 +42,8 @@ pub(crate) struct Services {
     pub(crate) config: Arc<Config>,
     /// Uploads and downloads that may run at once.
     pub(crate) transfers: Arc<tokio::sync::Semaphore>,
+    /// Meshes that may be read at once by Describe and Estimate, which pass by the queue of jobs.
+    pub(crate) readings: Arc<tokio::sync::Semaphore>,
 }
 
 /// Health services: `live` is the process, `ready` takes work, and the empty name is `ready`.

@@ -22,6 +22,8 @@ fn main() -> ExitCode {
 
 fn run() -> displace_server::domain::Result<()> {
     let config = Args::parse().into_config()?;
+    // While this is the only thread: a software driver without a home folder would compile anew at each start.
+    displace_server::vulkan::keep_driver_cache_in(&config.cache.join("driver"));
     telemetry::install(&config)?;
     let runtime = tokio::runtime::Runtime::new().map_err(|cause| {
         displace_server::domain::Error::internal("cannot start the async runtime").with_cause(cause)

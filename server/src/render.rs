@@ -31,6 +31,8 @@ pub struct ExecutorOptions {
     pub cache: std::path::PathBuf,
     /// Device memory of one job.
     pub device_bytes: u64,
+    /// Has every pass compiled before the device is called open, so that no job waits for it.
+    pub warm_up: bool,
 }
 
 /// Opens the device that `options` name.

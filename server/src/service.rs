@@ -33,19 +33,27 @@ impl Parts {
     /// The real ones: all jobs of this version, on the device the configuration names.
     #[must_use]
     pub fn standard(config: &Config) -> Self {
-        let options = ExecutorOptions {
-            device: Some(config.device.clone()).filter(|device| !device.is_empty()),
-            validation: config.validation,
-            cache: config.cache.clone(),
-            device_bytes: config.device_bytes,
-        };
+        Self::on(executor_options(config))
+    }
+
+    fn on(options: ExecutorOptions) -> Self {
         Self { recipes: Arc::new(StandardRecipes), open: Arc::new(move || render::open(&options)) }
+    }
+}
+
+fn executor_options(config: &Config) -> ExecutorOptions {
+    ExecutorOptions {
+        device: Some(config.device.clone()).filter(|device| !device.is_empty()),
+        validation: config.validation,
+        cache: config.cache.clone(),
+        device_bytes: config.device_bytes,
+        warm_up: false,
     }
 }
 
 /// Serves until SIGTERM or SIGINT, then drains and returns.
 pub async fn serve(config: Config) -> Result<()> {
-    let parts = Parts::standard(&config);
+    let parts = Parts::on(ExecutorOptions { warm_up: true, ..executor_options(&config) });
     let signal = shutdown_signal()?;
     Service::start(config, parts).await?.bind().await?.run(signal).await
 }
@@ -75,6 +83,9 @@ impl Service {
             jobs: Arc::clone(&jobs),
             recipes: parts.recipes,
             transfers: Arc::new(tokio::sync::Semaphore::new(config.max_transfers as usize)),
+            readings: Arc::new(tokio::sync::Semaphore::new(
+                std::thread::available_parallelism().map_or(2, usize::from),
+            )),
             config: Arc::clone(&config),
         };
         let (routes, health) = grpc::routes(services).await?;

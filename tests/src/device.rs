@@ -44,6 +44,7 @@ fn open(device: Option<&str>) -> Arc<dyn Executor> {
         validation: device.is_none(),
         cache: cache.path().to_owned(),
         device_bytes: TEST_DEVICE_BYTES,
+        warm_up: false,
     };
     let opened = render::open(&options);
     opened

@@ -8,7 +8,7 @@ use tonic::{Request, Response, Status, metadata::MetadataMap};
 
 use super::{Services, convert, status::status, tenant};
 use crate::{
-    domain::{Error, Result, report::Estimate, request::EstimateRequest},
+    domain::{Error, ErrorKind, Result, report::Estimate, request::EstimateRequest},
     jobs::{Listener, StoreReader, Submission, Work},
     store::TenantStore,
 };
@@ -44,15 +44,15 @@ impl DisplacementService {
         }
         let (count, first) = (missing.len(), missing[0].resource_name());
         let message = format!("{count} assets are not stored, first {first}; upload them and call again");
-        Err(Error::new(crate::domain::ErrorKind::Missing(missing), message))
+        Err(Error::new(ErrorKind::Missing(missing), message))
     }
 
     async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<v1::DescribeResponse> {
         let store = self.store(request.metadata())?;
         let (mesh, resources) = convert::mesh_source("mesh", request.into_inner().mesh)?;
         let (recipes, reader) = (self.0.recipes.clone(), StoreReader::new(store, tokio::runtime::Handle::current()));
-        let described = tokio::task::spawn_blocking(move || recipes.describe(&reader, &mesh, &resources));
-        Ok(convert::to_description(&described.await.map_err(crashed)??))
+        let described = self.read(move || recipes.describe(&reader, &mesh, &resources)).await?;
+        Ok(convert::to_description(&described))
     }
 
     async fn estimate(&self, request: Request<v1::EstimateRequest>) -> Result<v1::EstimateResponse> {
@@ -69,8 +69,20 @@ impl DisplacementService {
     async fn estimate_of(&self, request: EstimateRequest, store: TenantStore) -> Result<Estimate> {
         let (recipes, limits) = (self.0.recipes.clone(), self.0.jobs.options().limits.clone());
         let reader = StoreReader::new(store, tokio::runtime::Handle::current());
-        let estimated = tokio::task::spawn_blocking(move || recipes.estimate(&reader, &limits, &request));
-        estimated.await.map_err(crashed)?
+        self.read(move || recipes.estimate(&reader, &limits, &request)).await
+    }
+
+    /// Runs what reads a mesh beside the async runtime, a few at a time. Callers that leave give up their place.
+    async fn read<T: Send + 'static>(&self, reading: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
+        let place = self.0.readings.clone().acquire_owned().await;
+        let place = place.map_err(|cause| Error::internal("the server takes no more readings").with_cause(cause))?;
+        let span = tracing::Span::current();
+        let done = tokio::task::spawn_blocking(move || {
+            // Held to the end of the work, even when the caller is gone.
+            let _place = place;
+            span.in_scope(reading)
+        });
+        done.await.map_err(|cause| Error::internal("the call failed by a fault of the server").with_cause(cause))?
     }
 }
 
@@ -120,8 +132,4 @@ fn how(request: &v1::DisplaceRequest) -> Submission {
 
 fn answer<T>(result: Result<T>) -> Result<Response<T>, Status> {
     result.map(Response::new).map_err(|error| status(&error))
-}
-
-fn crashed(cause: tokio::task::JoinError) -> Error {
-    Error::internal("the call failed by a fault of the server").with_cause(cause)
 }

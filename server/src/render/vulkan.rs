@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use displace_glsl::ALL_SHADERS;
+
 use super::{Executor, ExecutorOptions, JobContext, image, passes};
 use crate::{
     domain::{
@@ -33,6 +35,10 @@ impl VulkanExecutor {
             budget_bytes: options.device_bytes,
             ..DeviceOptions::default()
         })?;
+        if options.warm_up {
+            let passes: Vec<_> = ALL_SHADERS.iter().copied().filter(|s| !s.name.starts_with("selftest_")).collect();
+            device.warm_up(&passes)?;
+        }
         Ok(Self::with_device(device))
     }
 

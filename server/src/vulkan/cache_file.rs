@@ -49,13 +49,13 @@ fn try_write(file: &Path, data: &[u8]) -> std::io::Result<()> {
     result
 }
 
-/// Has Mesa keep its compiled shaders in `folder`, unless the environment says where. Without this it uses
-/// `mesa_shader_cache` under the user's cache folder, and none where there is no such folder.
-/// To be called first in `main`; does nothing and returns false once a second thread runs.
+/// Has Mesa keep its compiled shaders in `folder`, unless the environment says where; true if it will.
+/// Without this it uses `mesa_shader_cache` under the user's cache folder, and none where there is no such
+/// folder. To be called first in `main`: does nothing once a second thread runs.
 pub fn keep_driver_cache_in(folder: &Path) -> bool {
     const VARIABLE: &str = "MESA_SHADER_CACHE_DIR";
     let threads = fs::read_dir("/proc/self/task").map(Iterator::count).unwrap_or(usize::MAX);
-    if threads != 1 || std::env::var_os(VARIABLE).is_some() {
+    if threads != 1 || std::env::var_os(VARIABLE).is_some() || fs::create_dir_all(folder).is_err() {
         return false;
     }
     // SAFETY: this is the only thread, so nobody reads the environment meanwhile.

@@ -31,8 +31,8 @@ pub struct DeviceOptions {
     pub selector: Option<String>,
     /// Turns on the validation layers, with synchronization validation. Their errors fail the next submission.
     pub validation: bool,
-    /// Folder for pipelines and self-test verdicts. Mesa keeps compiled shaders in a folder of its own,
-    /// see `keep_driver_cache_in`.
+    /// Folder for pipelines and verdicts of the self-test. Mesa keeps what it compiles elsewhere, see
+    /// `keep_driver_cache_in`.
     pub cache_dir: Option<PathBuf>,
     /// Most device memory in use at a time.
     pub budget_bytes: u64,

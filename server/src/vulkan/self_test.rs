@@ -247,3 +247,28 @@ mod groups {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loops_cut_at_65_535_iterations_are_noticed() {
+        let advance = |state: u32| state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let cut: Vec<u32> = (0..8).map(|thread| (0..65_535).fold(thread, |state, _| advance(state))).collect();
+        assert!(!loops::passes(&cut));
+    }
+
+    #[test]
+    fn reads_that_wrap_around_are_noticed() {
+        assert!(bounds::passes(&[11, 14, 0, 0, 0, 0, 0, 0]));
+        assert!(!bounds::passes(&[11, 14, 0, 0, 0, 0, 0, 11]));
+    }
+
+    #[test]
+    fn a_lost_atomic_or_a_misnumbered_thread_is_noticed() {
+        assert!(!atomics::passes(&[0, 0, 0]));
+        assert!(groups::threads_pass(&[1, 2, 3]));
+        assert!(!groups::threads_pass(&[1, 2, 2]));
+    }
+}
