@@ -17,7 +17,7 @@ use displace_server::{
     vulkan::{Device, DeviceOptions},
 };
 use displace_tests::meshes;
-use rand::{Rng, SeedableRng, rngs::StdRng, seq::SliceRandom};
+use rand::{RngExt as _, SeedableRng, rngs::StdRng, seq::SliceRandom};
 use scenes::{Builder, LEAK, pixel_camera, view_camera};
 
 pub(crate) const ALL_AOVS: [Aov; 5] = [Aov::Depth, Aov::Normal, Aov::Position, Aov::Uv, Aov::Triangle];

@@ -35,11 +35,7 @@ impl Attempts {
 /// 50 ms doubled for each failure, of which a random half; after what the server asked for.
 fn pause(failed: u32, asked: Option<Duration>) -> Duration {
     let full = FIRST_PAUSE * 2u32.pow(failed.min(10) - 1);
-    asked.unwrap_or_default() + full / 2 + full.mul_f64(0.5 * random_share())
-}
-
-fn random_share() -> f64 {
-    f64::from(uuid::Uuid::new_v4().as_fields().0) / f64::from(u32::MAX)
+    asked.unwrap_or_default() + full / 2 + full.mul_f64(0.5 * rand::random::<f64>())
 }
 
 /// Repeats something idempotent while it is unavailable.

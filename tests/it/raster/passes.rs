@@ -12,7 +12,7 @@ use displace_server::{
 };
 use exr::prelude::f16;
 use glam::{DVec2, DVec3};
-use rand::{Rng, SeedableRng, rngs::StdRng};
+use rand::{RngExt as _, SeedableRng, rngs::StdRng};
 
 use super::device;
 
