@@ -50,7 +50,7 @@ vec4 bilinear(uvec3 level, vec2 uv, uvec2 wrap) {
     ivec2 size = ivec2(level.yz);
     vec2 p = vec2(periodic(uv.x, wrap.x), periodic(uv.y, wrap.y)) * vec2(size) - 0.5;
     vec2 f = p - floor(p);
-    ivec2 i = ivec2(floor(p));
+    ivec2 i = ivec2(integer(floor(p.x)), integer(floor(p.y)));
     ivec2 x = ivec2(wrapped(i.x, size.x, wrap.x), wrapped(i.x + 1, size.x, wrap.x));
     ivec2 y = ivec2(wrapped(i.y, size.y, wrap.y), wrapped(i.y + 1, size.y, wrap.y)) * size.x;
     vec4 top = mix(texel(level.x + uint(y.x + x.x)), texel(level.x + uint(y.x + x.y)), f.x);

@@ -10,3 +10,10 @@ const uint GROUPS_PER_ROW = 4096u;
 uint thread_index() {
     return (gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x) * 64u + gl_LocalInvocationID.x;
 }
+
+// A whole number of at most 2^22 as an integer. Adding 1.5 * 2^23 puts it into the lowest bits: software devices
+// convert numbers one by one, with tests for what does not fit.
+int integer(const float whole) {
+    precise float shifted = whole + 12582912.0;
+    return floatBitsToInt(shifted) - 0x4B400000;
+}

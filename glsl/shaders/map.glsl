@@ -41,13 +41,6 @@ vec2 texel_space(const Layer layer, const vec2 uv) {
     return clamp(p, -FARTHEST_TEXEL, FARTHEST_TEXEL);
 }
 
-// A whole number of at most 2^22 as an integer. Adding 1.5 * 2^23 puts it into the lowest bits: software devices
-// convert numbers one by one, with tests for what does not fit.
-int integer(const float whole) {
-    precise float shifted = whole + 12582912.0;
-    return floatBitsToInt(shifted) - 0x4B400000;
-}
-
 // Texel number of lattice coordinate i, whose remainder modulo the period is r.
 uint texel_number(const MapAxis axis, const int i, const int r) {
     int inside = i < 0 || i > axis.top ? r : i;

@@ -26,7 +26,7 @@ const uint NOT_FINITE = 1u;
 // triangles in turn.
 void corners_of(const uint n, const uint rank, out uvec2 a, out uvec2 b, out uvec2 c) {
     uint left = n * n - rank;
-    uint rows = uint(ceil(sqrt(float(left))));
+    uint rows = uint(integer(ceil(sqrt(float(int(left))))));
     rows -= (rows - 1u) * (rows - 1u) >= left ? 1u : 0u;
     rows += rows * rows < left ? 1u : 0u;
     uint offset = rank - (n * n - rows * rows);

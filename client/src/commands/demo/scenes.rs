@@ -18,8 +18,8 @@ pub(super) const SCENES: [Scene; 4] = [
         text: "A plane of 128 triangles, its colours alone and with the 16-bit height map that belongs to them. \
                Light and silhouette follow the displaced surface.",
         commands: &[
-            "displace render input/ground.glb --base-color input/rock_color.jpg --orbit 35,30,2.9 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock-flat.png",
-            "displace render input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 --orbit 35,30,2.9 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock.png",
+            "displace render input/ground.glb --base-color input/rock_color.jpg --orbit 35,30,3.2 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock-flat.png",
+            "displace render input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 --orbit 35,30,3.2 --light 1,0.9,-0.4 --ambient 0.4 --size 960x600 -o rock.png",
             "displace apply input/ground.glb --height input/rock_height.png --scale 0.3 --base-color input/rock_color.jpg --uniform 6 -o rock.glb",
         ],
     },
