@@ -107,7 +107,10 @@ fn usage_error(refusal: &clap::Error) -> Error {
     let first = text.split("\n\nUsage:").next().unwrap_or_default().split("\n\nFor more").next().unwrap_or_default();
     let sentence = first.trim().trim_start_matches("error: ").split_whitespace().collect::<Vec<_>>().join(" ");
     let flag = refusal.context().find_map(|(kind, value)| match kind {
-        ContextKind::InvalidArg => value.to_string().split_whitespace().next().map(str::to_owned),
+        // One of several is named as `<--eye <X,Y,Z>|--orbit ...>`.
+        ContextKind::InvalidArg => {
+            value.to_string().split_whitespace().next().map(|flag| flag.trim_start_matches('<').to_owned())
+        }
         _ => None,
     });
     let error = Error::new(Kind::Usage, sentence);

@@ -40,7 +40,9 @@ uint interior_rank(const uint n, const uint i, const uint j) {
 // The inverse of interior_rank: a square root, then exact steps.
 uvec2 interior_point(const uint n, const uint rank) {
     uint m = 2u * n - 3u;
-    uint k = (m - uint(integer(ceil(sqrt(float(int(m * m - 8u * rank))))))) / 2u;
+    // Roots may be one unit in the last place high: m itself would come out above m.
+    uint root = min(uint(integer(ceil(sqrt(float(int(m * m - 8u * rank)))))), m);
+    uint k = (m - root) / 2u;
     uint first = k * (m - k) / 2u;
     if (first > rank) {
         k -= 1u;

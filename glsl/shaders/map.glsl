@@ -31,7 +31,7 @@ const uint VECTOR_OBJECT = 2u;
 const uint EXPRESSION = 3u;
 
 // Texel space is cut off where f32 tells no more than halves of texels apart.
-const float FARTHEST_TEXEL = 4194304.0;
+const float FARTHEST_TEXEL = 4194303.0;
 
 vec2 texel_space(const Layer layer, const vec2 uv) {
     precise vec2 p = vec2(

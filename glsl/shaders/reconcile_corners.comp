@@ -9,6 +9,8 @@ layout(local_size_x = 64) in;
 
 layout(push_constant, scalar) uniform Params {
     uint count;
+    uint start;        // number of the first thread's seam
+    uint first_sample; // number of the first jet
     uint rule;
 } params;
 
@@ -22,19 +24,22 @@ PAGED(6, , uint, counters);
 
 const uint MISMATCH = 2u;
 
+// Sides that every side is compared with: all of them where few meet.
+const uint COMPARED = 32u;
+
 vec3 candidate(const uint at) {
-    return LOAD(jets, at)[0];
+    return LOAD(jets, at - params.first_sample)[0];
 }
 
 bool is_distinct(const Seam seam, const uint rank) {
     return LOAD(seam_corners, seam.first + rank).same_as == rank;
 }
 
-// Largest distance between two candidates.
+// Largest distance between two candidates; where more than COMPARED sides meet, at least half of it.
 float mismatch(const Seam seam) {
     float worst = 0.0;
     for (uint a = 1u; a < seam.count; ++a) {
-        for (uint b = 0u; b < (is_distinct(seam, a) ? a : 0u); ++b) {
+        for (uint b = 0u; b < (is_distinct(seam, a) ? min(a, COMPARED) : 0u); ++b) {
             float apart = length(candidate(seam.first + a) - candidate(seam.first + b));
             worst = max(worst, is_distinct(seam, b) ? apart : 0.0);
         }
@@ -43,7 +48,7 @@ float mismatch(const Seam seam) {
 }
 
 void element(uint i) {
-    Seam seam = LOAD(seam_vertices, i);
+    Seam seam = LOAD(seam_vertices, i + params.start);
     vec3 displacement = vec3(0.0);
     for (uint rank = 0u; rank < seam.count; ++rank) {
         vec3 part = candidate(seam.first + rank) * share(seam, params.rule, rank);

@@ -2,18 +2,23 @@
 //! watertight results and an image, refused ones exit with 2 and a sentence. What other programs say of the
 //! results is in `tests/peers`.
 
-use std::{fs, path::Path};
+use std::{collections::BTreeMap, fs, path::Path};
 
+use bytes::Bytes;
+use displace_server::domain::{gltf, mesh::Mesh, scene::Scene};
 use displace_tests::{
     cli::Run,
     corpus::{self, Expect, Model},
     data::sample,
-    device, glb,
-    invariants::assert_finite,
+    device,
+    glb::{self, Part},
+    invariants::{assert_finite, boundary_edges},
     server,
 };
 
 const EXPRESSION: &str = "0.5*sin(20*pi*x)";
+/// Of `--uniform`: each edge becomes 2^LEVEL.
+const LEVEL: u32 = 2;
 
 #[test]
 fn every_file_is_accepted_or_refused_as_it_should_be() {
@@ -54,14 +59,15 @@ fn refusal(run: &Run) -> Result<(), String> {
 }
 
 fn accepted(mesh: &Path, folder: &Path) -> Result<(), String> {
-    check_glb(&folder.join("expr.glb"));
+    let open_edges = open_edges(mesh);
+    check_glb(&folder.join("expr.glb"), &open_edges)?;
     let map = sample("maps/abstract_height.png");
     let map = map.to_string_lossy();
     let height = folder.join("height.glb");
     let by_map = run(mesh, &["apply", "--height", &*map, "--scale", "0.1", "--uniform", "2"], &height);
     match by_map.code {
-        Some(0) => check_glb(&height),
-        Some(2) if by_map.stderr.contains("TEXCOORD_0") => {}
+        Some(0) => check_glb(&height, &open_edges)?,
+        Some(2) if by_map.stderr.contains("TEXCOORD_0") && lacks_uvs(mesh) => {}
         code => return Err(format!("--height exits {code:?}: {}", by_map.stderr.trim())),
     }
     let image = folder.join("image.png");
@@ -73,11 +79,38 @@ fn accepted(mesh: &Path, folder: &Path) -> Result<(), String> {
     if size == (96, 64) { Ok(()) } else { Err(format!("the image is {size:?}")) }
 }
 
-fn check_glb(path: &Path) {
-    for part in glb::read(&fs::read(path).expect("the result was written")) {
+fn load(mesh: &Path) -> Scene {
+    let bytes = fs::read(mesh).expect("the corpus can be read");
+    let beside = |uri: &str| fs::read(mesh.parent()?.join(uri.replace("%20", " "))).ok().map(Bytes::from);
+    gltf::load(&bytes.into(), &beside, &gltf::Limits::default()).expect("an accepted file loads")
+}
+
+/// The boundary edges of each glTF mesh.
+fn open_edges(mesh: &Path) -> BTreeMap<usize, u64> {
+    load(mesh).meshes.iter().map(|m| (m.gltf_mesh, u64::from(m.mesh.health.boundary_edges))).collect()
+}
+
+fn lacks_uvs(mesh: &Path) -> bool {
+    let has = |m: &Mesh| m.attribute("TEXCOORD_0").is_some_and(|a| a.primitives.iter().all(|has| *has));
+    !load(mesh).meshes.iter().all(|m| has(&m.mesh))
+}
+
+/// Finite values, indices in range, and no boundary that the input does not have.
+fn check_glb(path: &Path, open_edges: &BTreeMap<usize, u64>) -> Result<(), String> {
+    let parts = glb::read(&fs::read(path).expect("the result was written"));
+    for part in &parts {
         assert_finite(&path.display().to_string(), &part.positions);
         assert_finite(&path.display().to_string(), &part.normals);
         let vertices = part.positions.len();
         assert!(part.triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices), "{}", path.display());
     }
+    for (&mesh, &open) in open_edges {
+        let parts: Vec<Part> = parts.iter().filter(|part| part.mesh == mesh).cloned().collect();
+        let whole = glb::joined(&parts);
+        let (found, expected) = (boundary_edges(&whole.positions, &whole.triangles), open << LEVEL);
+        if found != expected {
+            return Err(format!("mesh {mesh} has {found} boundary edges where {expected} are right"));
+        }
+    }
+    Ok(())
 }

@@ -14,7 +14,7 @@ use displace_server::{
         request::{Aov, ImageFormat},
     },
     render::{JobContext, image, reference_image},
-    vulkan::{Device, DeviceOptions},
+    vulkan::{Device, DeviceOptions, Testing},
 };
 use displace_tests::meshes;
 use rand::{RngExt as _, SeedableRng, rngs::StdRng, seq::SliceRandom};
@@ -192,6 +192,26 @@ fn the_size_of_the_slabs_changes_nothing() {
     let image = render_plan(&scene, &whole);
     for slab_px in [16, 64, 128] {
         assert_eq!(render_plan(&scene, &ImagePlan { slab_px, ..whole.clone() }), image, "slabs of {slab_px}");
+    }
+}
+
+#[test]
+fn pages_staging_and_batches_change_no_byte() {
+    let scenes = [still_life(None), scenes::masked_grid(8)];
+    let ways = [
+        Testing { page_shift: Some(14), ..Testing::default() },
+        Testing { force_staging: true, ..Testing::default() },
+        Testing { batch: Some(1), ..Testing::default() },
+    ];
+    let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+    for testing in ways {
+        let options = DeviceOptions { validation: true, testing: testing.clone(), ..Default::default() };
+        let device = Device::open(&options).expect("opens");
+        for scene in &scenes {
+            let plan = plan(scene, 160, 120);
+            let found = image::render(&device, &job, &plan, scene).expect("renders").0;
+            assert!(found == render_plan(scene, &plan), "{testing:?}");
+        }
     }
 }
 

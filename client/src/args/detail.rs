@@ -35,7 +35,7 @@ pub(crate) struct DetailArgs {
     /// Mesh units per unit of the map [default: 1]
     #[arg(long, value_name = "S", action = ArgAction::Append, value_parser = finite, allow_hyphen_values = true)]
     pub(crate) scale: Vec<f32>,
-    /// Value of the map that leaves the surface where it is [default: 0; 0.5 for integer vector and direction maps]
+    /// Value of the map that leaves the surface where it is [default: 0; 0.5 for integer vector maps; with --direction it is the magnitude's, 0]
     #[arg(long, value_name = "M", action = ArgAction::Append, value_parser = finite, allow_hyphen_values = true)]
     pub(crate) midlevel: Vec<f32>,
     /// Space of a vector or direction map [default: tangent]

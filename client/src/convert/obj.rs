@@ -34,14 +34,19 @@ fn logical_lines(text: &[u8]) -> impl Iterator<Item = (usize, String)> + '_ {
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
-        let mut whole = String::from_utf8_lossy(first).into_owned();
+        // A comment ends with its own line, whatever it ends with.
+        let without_comment = |line| {
+            let line = String::from_utf8_lossy(line);
+            line.split('#').next().unwrap_or_default().to_owned()
+        };
+        let mut whole = without_comment(first);
         while whole.trim_end().ends_with('\\') {
             whole.truncate(whole.trim_end().len() - 1);
             let Some((_, next)) = lines.next() else { break };
             whole.push(' ');
-            whole.push_str(&String::from_utf8_lossy(next));
+            whole.push_str(&without_comment(next));
         }
-        Some((index + 1, whole.split('#').next().unwrap_or_default().to_owned()))
+        Some((index + 1, whole))
     })
 }
 
@@ -249,6 +254,12 @@ mod tests {
         assert_eq!(primitive.uvs.as_ref().unwrap()[0], [0.0, 1.0]);
         assert_eq!(primitive.normals.as_ref().unwrap()[0], [0.0, 0.0, 1.0]);
         assert_eq!(primitive.positions.len(), 4);
+    }
+
+    #[test]
+    fn a_comment_that_ends_in_a_backslash_swallows_nothing() {
+        let model = parse(b"# from C:\\models\\\nv 0 0 0\nv 1 0 \\\n0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        assert_eq!(model.primitives[0].positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     }
 
     #[test]

@@ -156,6 +156,8 @@ mirrors! {
 
     pub struct ReconcileCornersParams {
         pub count: u32,
+        pub start: u32,
+        pub first_sample: u32,
         pub rule: u32,
     }
 

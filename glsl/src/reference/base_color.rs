@@ -7,6 +7,8 @@ pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_MIRROR: u32 = 1;
 pub const WRAP_CLAMP: u32 = 2;
 
+const FARTHEST: f64 = (1u64 << 53) as f64;
+
 fn wrapped(i: i64, size: usize, mode: u32) -> usize {
     let size = size as i64;
     let i = match mode {
@@ -26,7 +28,8 @@ fn mix(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
 
 #[must_use]
 pub fn bilinear(level: &Level, uv: [f64; 2], wrap: [u32; 2]) -> [f64; 4] {
-    let p = [uv[0] * level.width as f64 - 0.5, uv[1] * level.height as f64 - 0.5];
+    // Whole numbers beyond 2^53 have no texels between them; this keeps the texel numbers within i64.
+    let p = [uv[0] * level.width as f64 - 0.5, uv[1] * level.height as f64 - 0.5].map(|p| p.clamp(-FARTHEST, FARTHEST));
     let (x, y) = (p[0].floor(), p[1].floor());
     let column = |dx: i64| wrapped(x as i64 + dx, level.width, wrap[0]);
     let row = |dy: i64| wrapped(y as i64 + dy, level.height, wrap[1]) * level.width;

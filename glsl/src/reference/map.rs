@@ -13,12 +13,15 @@ pub fn wrapped(axis: &MapAxis, i: i64) -> u64 {
     r.min(i64::from(axis.fold) - r) as u64
 }
 
+/// Texel space is cut off where f32 tells no more than halves of texels apart.
+const FARTHEST_TEXEL: f64 = 4_194_303.0;
+
 /// Texel-space coordinates; texel i lies at i.
 #[must_use]
 pub fn texel_space(layer: &Layer, u: f64, v: f64) -> [f64; 2] {
     [layer.texel_from_u, layer.texel_from_v].map(|row| {
         let [a, b, c] = row.map(f64::from);
-        a * u + b * v + c
+        (a * u + b * v + c).clamp(-FARTHEST_TEXEL, FARTHEST_TEXEL)
     })
 }
 

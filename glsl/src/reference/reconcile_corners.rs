@@ -9,7 +9,11 @@ use crate::{
     tables::Tables,
 };
 
-/// What a seam's sides become, and how far apart they were.
+/// Sides that every side is compared with.
+const COMPARED: u32 = 32;
+
+/// What a seam's sides become, and how far apart they were: exactly where at most 32 sides meet, else at least
+/// half as far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reconciled {
     pub displacement: DVec3,
@@ -22,7 +26,9 @@ pub fn reconcile(tables: &Tables, seam: &Seam, candidate: impl Fn(u32) -> DVec3)
     let distinct: Vec<(u32, DVec3)> =
         distinct(&tables.seam_corners, seam).map(|rank| (rank, candidate(seam.first + rank))).collect();
     let displacement = distinct.iter().map(|(rank, d)| *d * share(seam.distinct, tables.rule, *rank)).sum();
-    let pairs = distinct.iter().enumerate().flat_map(|(k, a)| distinct[..k].iter().map(move |b| a.1.distance(b.1)));
+    let few = distinct.partition_point(|(rank, _)| *rank < COMPARED);
+    let before = |k: usize| distinct[..k.min(few)].iter();
+    let pairs = distinct.iter().enumerate().flat_map(|(k, a)| before(k).map(move |b| a.1.distance(b.1)));
     Reconciled { displacement, mismatch: pairs.fold(0.0, f64::max) }
 }
 

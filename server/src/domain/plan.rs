@@ -12,6 +12,9 @@ use super::{
 pub const PAGE_ELEMENTS: u64 = 1 << 22;
 /// Pages a shader can see at once, so 64 Mi elements per stream.
 pub const MAX_PAGES: u64 = 16;
+/// Details are evaluated for so many samples at a time, and what a sample and its derivatives take.
+const SAMPLES: u64 = 1 << 20;
+const SAMPLE_BYTES: u64 = 80;
 /// Deepest uniform level: 4^12 triangles for each base triangle.
 pub const MAX_LEVEL: u32 = 12;
 
@@ -86,7 +89,7 @@ impl SurfacePlan {
             feather_texels: geometry.feather_texels,
             vertices,
             triangles,
-            device_bytes: vertices * per_vertex + triangles * 12 + base_bytes,
+            device_bytes: vertices * per_vertex + triangles * 12 + base_bytes + SAMPLES * SAMPLE_BYTES,
         })
     }
 }

@@ -152,7 +152,9 @@ fn new_pages(device: &Device, name: &str, element_bytes: u32, len: u64) -> Resul
         return Err(Error::internal(format!("'{name}' has elements of {element_bytes} bytes; words of 4 are allowed")));
     }
     if len > page_len * MAX_PAGES || len.min(page_len) * stride > MAX_BINDING_BYTES {
-        let most = (page_len * MAX_PAGES).min(if len > page_len { MAX_BINDING_BYTES / stride } else { u64::MAX });
+        // Elements too large for a full page fit one page only.
+        let most =
+            if page_len * stride > MAX_BINDING_BYTES { MAX_BINDING_BYTES / stride } else { page_len * MAX_PAGES };
         return Err(Error::new(
             ErrorKind::OutOfMemory,
             format!("'{name}' has {len} elements of {stride} bytes; at most {most} fit a stream: ask for less detail"),

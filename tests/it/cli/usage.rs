@@ -29,6 +29,7 @@ fn a_refusal_names_flag_value_range_and_fix() {
     refused("apply MESH -o o.glb --vector v.exr --swizzle rrb --uniform 1", "--swizzle", &["rrb", "rgb"]);
     refused("render MESH -o o.png --size 0x10", "--size", &["0x10", "1280x720"]);
     refused("render MESH -o o.png --fov 200 --orbit 1,2", "--fov", &["200", "1 to 170"]);
+    refused("render MESH -o o.png --fov 20", "--eye", &["--orbit"]);
     refused("render MESH -o o.png --orbit 1,91", "--orbit", &["91", "-90 to 90"]);
     refused("render MESH -o o.png --light 0,0,0", "--light", &["0,0,0"]);
     refused("render MESH -o o.png --ambient 2", "--ambient", &["2", "0 to 1"]);

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use displace_server::vulkan::Testing;
 use displace_tests::{maps, meshes};
 
 use super::*;
@@ -37,6 +38,34 @@ fn results_are_equal_to_the_byte_again_and_again() {
     let first = run(vulkan(), &mesh, &geometry(4), Some(&detail));
     for _ in 0..3 {
         assert_eq!(run(vulkan(), &mesh, &geometry(4), Some(&detail)), first);
+    }
+}
+
+/// What only huge meshes or GPUs reach: several pages to a stream, copies through staging memory, one element a
+/// thread.
+#[test]
+fn pages_staging_and_batches_change_no_byte() {
+    let ways = [
+        Testing { page_shift: Some(10), ..Testing::default() },
+        Testing { force_staging: true, ..Testing::default() },
+        Testing { batch: Some(1), ..Testing::default() },
+    ];
+    let details = [
+        height(noise([64, 64], 1), 0.2),
+        detail([layer(LayerSource::VectorTangent(Arc::new(noise([32, 32], 3))), 0.1, 0.5)]),
+        expression("0.05*sin(20*x)*cos(9*u)", 1.0),
+    ];
+    for testing in ways {
+        let options = DeviceOptions { validation: true, testing: testing.clone(), ..Default::default() };
+        let device = VulkanExecutor::with_device(Device::open(&options).expect("opens"));
+        for mesh in [meshes::cube(), meshes::torus(8, 6)] {
+            let mesh = welded_with_tangents(&mesh);
+            for (detail, normals) in details.iter().zip([Normals::Analytic, Normals::Analytic, Normals::Geometric]) {
+                let geometry = Geometry { normals, ..geometry(3) };
+                let [expected, found] = [vulkan(), &device].map(|device| run(device, &mesh, &geometry, Some(detail)));
+                assert!(expected == found, "{} with {testing:?}", mesh.name);
+            }
+        }
     }
 }
 

@@ -109,3 +109,30 @@ fn degenerate_texture_coordinates_do_no_harm() {
         assert!(surface.normals.iter().all(|n| (glam::Vec3::from(*n).length() - 1.0).abs() < 1e-5));
     }
 }
+
+/// Each triangle has UVs of its own at the middle of the fan and along the spine of the book.
+#[test]
+fn crowded_vertices_are_answered_in_time_and_crowded_edges_refused() {
+    let sheets = |count: u32, spine: bool| {
+        let around = |i: u32| (i as f32 * std::f32::consts::TAU / count as f32).sin_cos();
+        let mut mesh = meshes::plane(1);
+        mesh.positions = (0..count)
+            .flat_map(|i| {
+                let ((s, c), (s1, c1)) = (around(i), around(i + 1));
+                if spine { [[0.0; 3], [0.0, 1.0, 0.0], [s, 0.5, c]] } else { [[0.0; 3], [s, 0.0, c], [s1, 0.0, c1]] }
+            })
+            .collect();
+        mesh.normals = vec![[0.0, 1.0, 0.0]; mesh.positions.len()];
+        mesh.uvs = (0..3 * count).map(|v| [(v as f32 * 0.618).fract(), (v as f32 * 0.382).fract()]).collect();
+        mesh.triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        welded(&mesh)
+    };
+    let detail = height(noise([64, 64], 1), 0.2);
+    let fan = sheets(20_000, false);
+    let surface = run(vulkan(), &fan, &geometry(0), Some(&detail));
+    invariants::assert_one_position_per_place(&fan, &surface);
+    let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+    let book = sheets(100, true);
+    let error = vulkan().displace(&job, &planned(&book, &geometry(1)), &book, &[Some(detail)]).expect_err("refused");
+    assert!(error.message.contains("100 sheets") && error.message.contains("--feather 0"), "{error}");
+}

@@ -6,7 +6,7 @@ use std::{ops::Range, sync::Arc};
 use displace_glsl::{
     SHADERS,
     lattice::{edge_points, interior_points},
-    layout::geometry::{ReconcileCornersParams, ReconcileEdgesParams, ReconcileInteriorsParams, block},
+    layout::geometry::{ReconcileCornersParams, ReconcileEdgesParams, ReconcileInteriorsParams, Seam, block},
     tables::Tables,
 };
 
@@ -41,25 +41,36 @@ struct Pass<'a> {
 
 impl Pass<'_> {
     fn corners(&self, recorder: &mut Recorder<'_>) -> Result<()> {
-        let count = self.tables.seam_vertices.len() as u64;
-        if count == 0 {
+        let all = &self.tables.seam_vertices;
+        if all.is_empty() {
             return Ok(());
         }
-        let sides = self.tables.seam_corners.len() as u64;
-        let chunk = SampleStreams::new(self.device, sides)?;
+        let chunks = seam_chunks(all, 1);
+        let chunk = SampleStreams::new(self.device, longest(all, &chunks))?;
+        chunks.into_iter().try_for_each(|seams| self.corner_chunk(recorder, &chunk, seams))
+    }
+
+    fn corner_chunk(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, seams: Range<usize>) -> Result<()> {
+        let sides = sides(&self.tables.seam_vertices, &seams);
         self.jets(
             recorder,
-            &chunk,
+            chunk,
             &Domain {
                 block: block::SEAM_CORNERS,
-                start: 0,
-                count: sides,
+                start: sides.start,
+                count: sides.end - sides.start,
                 details: all_details(self.tables),
                 hats: false,
                 ramps: false,
             },
         )?;
-        let params = ReconcileCornersParams { count: count as u32, rule: self.tables.rule };
+        let count = seams.len() as u64;
+        let params = ReconcileCornersParams {
+            count: count as u32,
+            start: seams.start as u32,
+            first_sample: sides.start as u32,
+            rule: self.tables.rule,
+        };
         let streams = [
             ("av_position_u", &self.base.av_position_u),
             ("seam_vertices", &self.base.seam_vertices),
@@ -77,19 +88,12 @@ impl Pass<'_> {
         if self.tables.seams.is_empty() || points == 0 {
             return Ok(());
         }
-        let chunks = seam_chunks(self.tables, points);
-        let most = chunks.iter().map(|seams| self.sides(seams)).map(|sides| sides.end - sides.start).max().unwrap_or(0);
-        let chunk = SampleStreams::new(self.device, most * points)?;
+        let chunks = seam_chunks(&self.tables.seams, points);
+        let chunk = SampleStreams::new(self.device, longest(&self.tables.seams, &chunks) * points)?;
         for seams in chunks {
             self.edge_chunk(recorder, &chunk, seams, points)?;
         }
         Ok(())
-    }
-
-    /// The entries of `seam_sides` that a range of seams owns.
-    fn sides(&self, seams: &Range<usize>) -> Range<u64> {
-        let (first, last) = (&self.tables.seams[seams.start], &self.tables.seams[seams.end - 1]);
-        u64::from(first.first)..u64::from(last.first + last.count)
     }
 
     fn edge_chunk(
@@ -99,7 +103,7 @@ impl Pass<'_> {
         seams: Range<usize>,
         points: u64,
     ) -> Result<()> {
-        let sides = self.sides(&seams);
+        let sides = sides(&self.tables.seams, &seams);
         self.jets(
             recorder,
             chunk,
@@ -201,11 +205,22 @@ pub fn interior_domain(tables: &Tables, range: Range<u64>, points: u64, correcte
     }
 }
 
+/// The entries of the list of sides that a range of seams owns.
+fn sides(all: &[Seam], seams: &Range<usize>) -> Range<u64> {
+    let (first, last) = (&all[seams.start], &all[seams.end - 1]);
+    u64::from(first.first)..u64::from(last.first + last.count)
+}
+
+/// Most sides of one chunk.
+fn longest(all: &[Seam], chunks: &[Range<usize>]) -> u64 {
+    chunks.iter().map(|seams| sides(all, seams)).map(|sides| sides.end - sides.start).max().unwrap_or(0)
+}
+
 /// Ranges of seams of at most about `CHUNK` samples each.
-fn seam_chunks(tables: &Tables, points: u64) -> Vec<Range<usize>> {
+fn seam_chunks(all: &[Seam], points: u64) -> Vec<Range<usize>> {
     let mut chunks = Vec::new();
     let (mut start, mut samples) = (0, 0);
-    for (k, seam) in tables.seams.iter().enumerate() {
+    for (k, seam) in all.iter().enumerate() {
         let more = u64::from(seam.count) * points;
         if samples > 0 && samples + more > CHUNK {
             chunks.push(start..k);
@@ -213,6 +228,6 @@ fn seam_chunks(tables: &Tables, points: u64) -> Vec<Range<usize>> {
         }
         samples += more;
     }
-    chunks.push(start..tables.seams.len());
+    chunks.push(start..all.len());
     chunks
 }

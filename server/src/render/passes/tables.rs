@@ -43,8 +43,18 @@ pub fn build(plan: &SurfacePlan, mesh: &Mesh, details: &[Option<Arc<Detail>>]) -
     fill_triangles(&mut tables, mesh, &numbering);
     contributions::fill(&mut tables, mesh)?;
     seams::fill(&mut tables, plan, mesh, &numbering);
+    if plan.feather_texels > 0.0 && tables.max_rank > MAX_FEATHERED_SIDES {
+        let message = format!(
+            "{} sheets of mesh '{}' with different texture coordinates meet in one edge; at most {MAX_FEATHERED_SIDES} are feathered: split the mesh there, or use --feather 0",
+            tables.max_rank, mesh.name
+        );
+        return Err(Error::too_large("geometry.feather_texels", message));
+    }
     Ok(tables)
 }
+
+/// Ramps are added for one side of all seams at a time, so the seam with the most sides decides their cost.
+const MAX_FEATHERED_SIDES: u32 = 64;
 
 /// Tangents where a layer reads them.
 fn tangents(mesh: &Mesh, numbering: &Numbering) -> Result<Vec<[f32; 4]>> {
