@@ -114,6 +114,9 @@ impl Service {
     }
 }
 
+/// How long the device may take to stop: a submission, and the last of a host step.
+const DEVICE_SHUTDOWN: Duration = Duration::from_secs(5);
+
 /// The service with its address.
 pub struct Bound {
     service: Service,
@@ -135,10 +138,16 @@ impl Bound {
         let serving =
             transport.serve_with_incoming_shutdown(routes.prepare(), incoming, async move { stopped.notified().await });
         let draining = drain(&config, &jobs, &health, signal, &stop);
-        tokio::select! {
+        let served = tokio::select! {
             served = serving => served.map_err(|cause| Error::internal("the transport failed").with_cause(cause)),
             () = draining => Ok(()),
+        };
+        // A driver must not be at work when the process ends.
+        let finished = tokio::task::spawn_blocking(move || jobs.finish());
+        if tokio::time::timeout(DEVICE_SHUTDOWN, finished).await.is_err() {
+            tracing::warn!("the device did not stop in time");
         }
+        served
     }
 }
 

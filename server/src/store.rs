@@ -247,7 +247,9 @@ impl TenantStore {
             let path = names::asset(&self.tenant, class, digest);
             let Some(meta) = self.store.head(&path).await? else { continue };
             if meta.size != digest.size_bytes {
-                return Err(self.quarantine(digest, &path).await);
+                // Whoever needs it stores it again.
+                let _logged = self.quarantine(digest, &path).await;
+                continue;
             }
             self.store.touch(&meta).await;
             return Ok(Some((class, meta)));

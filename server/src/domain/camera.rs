@@ -9,7 +9,7 @@ pub const DEFAULT_YFOV_DEGREES: f32 = 40.0;
 pub const DEFAULT_AZIMUTH_DEGREES: f32 = 30.0;
 pub const DEFAULT_ELEVATION_DEGREES: f32 = 20.0;
 /// Allowed fields of view, degrees.
-const YFOV_DEGREES: std::ops::RangeInclusive<f32> = 0.1..=179.0;
+pub const YFOV_DEGREES: std::ops::RangeInclusive<f32> = 0.1..=179.0;
 /// The near plane as a share of the distance to the farthest point: depth is reversed floating point, whose
 /// relative precision does not depend on it.
 const NEAR_SHARE: f64 = 1e-5;

@@ -67,8 +67,10 @@ pub struct CameraDescription {
 #[must_use]
 pub fn describe(scene: &Scene) -> Description {
     let triangles = scene.instances.iter().map(|i| scene.meshes[i.mesh].mesh.triangles.len() as u64).sum();
+    let mut uses = vec![0; scene.meshes.len()];
+    scene.instances.iter().for_each(|instance| uses[instance.mesh] += 1);
     Description {
-        meshes: scene.meshes.iter().enumerate().map(|(i, mesh)| of_mesh(scene, i, mesh)).collect(),
+        meshes: scene.meshes.iter().zip(uses).map(|(mesh, uses)| of_mesh(mesh, uses)).collect(),
         materials: scene.materials.iter().map(of_material).collect(),
         images: scene
             .images
@@ -95,7 +97,7 @@ pub fn describe(scene: &Scene) -> Description {
     }
 }
 
-fn of_mesh(scene: &Scene, index: usize, mesh: &SceneMesh) -> MeshDescription {
+fn of_mesh(mesh: &SceneMesh, instances: u32) -> MeshDescription {
     let mesh = &mesh.mesh;
     let everywhere =
         |n: &u32| mesh.attribute(&format!("TEXCOORD_{n}")).is_some_and(|a| a.primitives.iter().all(|p| *p));
@@ -114,7 +116,7 @@ fn of_mesh(scene: &Scene, index: usize, mesh: &SceneMesh) -> MeshDescription {
         seam_edges: mesh.health.seam_edges.into(),
         degenerate_triangles: mesh.health.degenerate_triangles.into(),
         primitives: mesh.primitives.len() as u32,
-        instances: scene.instances.iter().filter(|i| i.mesh == index).count() as u32,
+        instances,
         uv_sets: (0..16).filter(everywhere).collect(),
         attributes,
     }

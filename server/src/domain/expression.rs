@@ -148,6 +148,8 @@ mod tests {
         assert!(message(&"-".repeat(4000)).starts_with("nested deeper than"));
         assert!(message(&"u^".repeat(2000)).starts_with("nested deeper than"));
         assert!(message(&"x".repeat(5000)).contains("5000 bytes"));
+        let doubling = (0..60).fold("u".to_owned(), |inner, _| format!("smoothstep({inner},1,v)"));
+        assert!(message(&doubling).contains("smoothstep makes more than"));
     }
 
     #[test]

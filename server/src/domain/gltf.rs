@@ -6,6 +6,7 @@
 
 mod accessor;
 mod container;
+mod displacement;
 mod extensions;
 mod images;
 mod json;
@@ -28,6 +29,7 @@ use super::{
     scene::{Instance, Scene, SceneMesh},
     weld::weld,
 };
+pub use displacement::forget_displacement;
 use json::At;
 use source::Source;
 pub use write::{Written, write};

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use super::{
     Error, Result,
     detail::Wrap,
+    maps,
     scene::{Material, Scene, SceneImage, TextureUse},
 };
 
@@ -13,6 +14,8 @@ use super::{
 /// without a material one that has it.
 pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
     let media_type = media_type(&image)?;
+    // A file that nobody can show must not get into a result.
+    maps::decode("base_color", &image)?;
     require_uvs(scene)?;
     let texture = add_texture(scene, media_type, &image)?;
     let plain = scene.materials.len();
@@ -21,7 +24,7 @@ pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
         array(&mut scene.document, "materials")?.push(json!({ "name": "base color" }));
         scene.materials.push(Material { base_color_factor: [1.0; 4], ..Material::default() });
     }
-    for material in array(&mut scene.document, "materials")? {
+    for material in scene.document.get_mut("materials").and_then(Value::as_array_mut).into_iter().flatten() {
         let material = material.as_object_mut().ok_or_else(malformed)?;
         let pbr = material.entry("pbrMetallicRoughness").or_insert_with(|| Value::Object(Map::new()));
         pbr.as_object_mut().ok_or_else(malformed)?.insert("baseColorTexture".into(), json!({ "index": texture }));

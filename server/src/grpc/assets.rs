@@ -127,11 +127,15 @@ impl Assets for AssetsService {
         request: Request<Streaming<v1::WriteRequest>>,
     ) -> Result<Response<v1::WriteResponse>, Status> {
         let store = self.store(&request).map_err(|error| status(&error))?;
-        let _transfer = self.transfer().map_err(|error| status(&error))?;
         let mut parts = request.into_inner();
         let mut upload: Option<(Digest, UploadId)> = None;
         let mut committed = Committed { bytes: 0, complete: false };
-        while let Some(part) = parts.message().await? {
+        // Taken with the first part: a silent stream must not keep others away.
+        let mut transfer = None;
+        while let Some(part) = next_part(&mut parts).await? {
+            if transfer.is_none() {
+                transfer = Some(self.transfer().map_err(|error| status(&error))?);
+            }
             let (digest, id) = continued(&mut upload, &part).map_err(|error| status(&error))?;
             let part = Part { offset_bytes: part.write_offset_bytes, data: part.data, finish: part.finish };
             committed = store.upload(&digest, &id, part).await.map_err(|error| status(&error))?;
@@ -236,4 +240,14 @@ fn to_asset(info: &AssetInfo) -> v1::Asset {
         origin: origin.into(),
         last_use_time: Some(info.last_use.into()),
     }
+}
+
+/// How long an upload may say nothing.
+const SILENCE: std::time::Duration = std::time::Duration::from_secs(60);
+
+async fn next_part(parts: &mut Streaming<v1::WriteRequest>) -> Result<Option<v1::WriteRequest>, Status> {
+    tokio::time::timeout(SILENCE, parts.message()).await.unwrap_or_else(|_| {
+        let message = format!("no part came for {} s; ask QueryWrite and go on", SILENCE.as_secs());
+        Err(status(&Error::new(ErrorKind::Unavailable, message)))
+    })
 }

@@ -8,7 +8,7 @@ use tonic::{Request, Response, Status, metadata::MetadataMap};
 
 use super::{Services, convert, status::status, tenant};
 use crate::{
-    domain::{Error, ErrorKind, Result, report::Estimate, request::EstimateRequest},
+    domain::{Digest, Error, ErrorKind, Result, report::Estimate, request::EstimateRequest},
     jobs::{Listener, StoreReader, Submission, Work},
     store::TenantStore,
 };
@@ -31,14 +31,14 @@ impl DisplacementService {
 
     /// Joins or starts the job, and passes on what it tells.
     async fn updates(&self, request: EstimateRequest, how: Submission, store: TenantStore) -> Result<Updates> {
-        self.require(&request, &store).await?;
+        self.require(&request.surface().assets(), &store).await?;
         let listener = self.0.jobs.submit(self.work(request), store, how).await?;
         Ok(stream::unfold(listener, next_update).boxed())
     }
 
     /// Refuses a job whose assets are not there, before it takes a place in the queue.
-    async fn require(&self, request: &EstimateRequest, store: &TenantStore) -> Result<()> {
-        let missing = store.missing(&request.surface().assets()).await?;
+    async fn require(&self, assets: &[Digest], store: &TenantStore) -> Result<()> {
+        let missing = store.missing(assets).await?;
         if missing.is_empty() {
             return Ok(());
         }
@@ -50,6 +50,8 @@ impl DisplacementService {
     async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<v1::DescribeResponse> {
         let store = self.store(request.metadata())?;
         let (mesh, resources) = convert::mesh_source("mesh", request.into_inner().mesh)?;
+        let assets: Vec<Digest> = resources.iter().map(|(_, asset)| *asset).chain([mesh]).collect();
+        self.require(&assets, &store).await?;
         let (recipes, reader) = (self.0.recipes.clone(), StoreReader::new(store, tokio::runtime::Handle::current()));
         let described = self.read(move || recipes.describe(&reader, &mesh, &resources)).await?;
         Ok(convert::to_description(&described))
@@ -58,7 +60,7 @@ impl DisplacementService {
     async fn estimate(&self, request: Request<v1::EstimateRequest>) -> Result<v1::EstimateResponse> {
         let store = self.store(request.metadata())?;
         let request = convert::estimate(request.into_inner(), &self.0.config)?;
-        self.require(&request, &store).await?;
+        self.require(&request.surface().assets(), &store).await?;
         let work = self.work(request.clone());
         let (key, seconds) = (self.0.jobs.key(work.as_ref(), &store), self.0.jobs.expected_secs(work.as_ref()));
         let cached = self.0.jobs.stored(&key, &store).await?.is_some();

@@ -40,7 +40,17 @@ pub(super) fn status(error: &Error) -> Status {
 
 fn unlogged(error: &Error) -> Status {
     let (code, reason) = row(&error.kind);
-    Status::with_error_details_vec(code, error.to_string(), details(error, reason))
+    Status::with_error_details_vec(code, shortened(&error.to_string()), details(error, reason))
+}
+
+/// Statuses travel as headers, of which clients take some KiB; texts may quote what was sent.
+fn shortened(text: &str) -> String {
+    const MOST_BYTES: usize = 1024;
+    if text.len() <= MOST_BYTES {
+        return text.to_owned();
+    }
+    let end = (0..=MOST_BYTES).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+    format!("{} [...]", &text[..end])
 }
 
 /// The same as a message, for `JobUpdate.error`, whose error the job has logged, and the entries of a batch.
@@ -61,18 +71,19 @@ pub(super) fn deadline_exceeded() -> Status {
 }
 
 fn details(error: &Error, reason: &str) -> Vec<ErrorDetail> {
-    let field = error.field.clone();
+    let field = error.field.as_deref().map(shortened);
+    let message = shortened(&error.message);
     let metadata = field.clone().map(|field| ("field".to_owned(), field)).into_iter().collect();
     let mut details: Vec<ErrorDetail> = vec![info(reason, metadata).into()];
     match &error.kind {
         ErrorKind::InvalidInput | ErrorKind::Unsupported => {
-            details.push(BadRequest::with_violation(field.unwrap_or_default(), &error.message).into());
+            details.push(BadRequest::with_violation(field.unwrap_or_default(), &message).into());
         }
         ErrorKind::Missing(digests) => details.extend(digests.iter().take(MAX_MISSING_NAMED).map(missing)),
-        ErrorKind::TooLarge => details.push(quota(field, &error.message)),
+        ErrorKind::TooLarge => details.push(quota(field, &message)),
         ErrorKind::Busy { retry_secs } => {
             details.push(RetryInfo::new(Some(Duration::from_secs((*retry_secs).into()))).into());
-            details.push(quota(field, &error.message));
+            details.push(quota(field, &message));
         }
         _ => {}
     }

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::domain::{
     Digest, Result,
+    cancel::Cancel,
     describe::{self, Description},
     gltf,
     report::{Estimate, Report},
@@ -33,11 +34,13 @@ impl Work for DisplaceWork {
     }
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
-        let mut inputs = Inputs::load(context.assets, context.limits, &self.request)?;
+        let mut inputs = Inputs::load(context.assets, context.limits, context.cancel, &self.request)?;
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
         seams::describe(&mut report, &mut inputs.scene, &surfaces);
         context.cancel.check()?;
+        let displaced = inputs.displaced_materials();
+        gltf::forget_displacement(&mut inputs.scene, &displaced);
         let written = inputs::timed("write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
@@ -60,5 +63,5 @@ pub(super) fn describe(assets: &dyn AssetReader, mesh: &Digest, resources: &[(St
 }
 
 pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Estimate> {
-    Ok(Inputs::load(assets, limits, request)?.estimate())
+    Ok(Inputs::load(assets, limits, &Cancel::default(), request)?.estimate())
 }

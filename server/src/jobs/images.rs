@@ -77,7 +77,7 @@ fn of_file(scene: &mut Scene, image: usize) -> Option<Arc<ColorMap>> {
     match maps::color_map(&format!("images[{image}]"), &bytes) {
         Ok(map) => Some(Arc::new(map)),
         Err(error) => {
-            scene.warnings.push(Warning::new("image-unreadable", format!("{error}; the factor alone is used")));
+            scene.warnings.push(Warning::new("image_unreadable", format!("{error}; the factor alone is used")));
             None
         }
     }

@@ -1,12 +1,17 @@
 //! What every job starts from: the loaded scene, the details, and a plan for each base mesh.
 
-use std::{collections::HashMap, sync::Arc, time::Instant};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+    time::Instant,
+};
 
 use bytes::Bytes;
 
 use crate::{
     domain::{
         Digest, Error, Result,
+        cancel::Cancel,
         detail::{Detail, LayerSource},
         gltf, look, maps,
         mesh::Mesh,
@@ -32,14 +37,22 @@ pub(super) struct Inputs {
 
 impl Inputs {
     /// Loads, checks and plans; refuses what exceeds a limit before any device work.
-    pub(super) fn load(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Self> {
+    pub(super) fn load(
+        assets: &dyn AssetReader,
+        limits: &JobLimits,
+        cancel: &Cancel,
+        request: &DisplaceRequest,
+    ) -> Result<Self> {
         let mut passes = Vec::new();
         let mut scene = timed("read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
         if let Some(digest) = &request.base_color {
             look::replace_base_color(&mut scene, assets.read(digest)?)?;
         }
+        cancel.check()?;
         let details = timed("decode_maps", &mut passes, || details(assets, &scene, request))?;
+        cancel.check()?;
         let details = fitted(&mut scene, &details)?;
+        cancel.check()?;
         let plans = plans(&scene, request)?;
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
         let inputs = Self { scene, plans, details, triangles_in, passes };
@@ -80,6 +93,15 @@ impl Inputs {
             add_times(&mut passes, times);
         }
         Ok((surfaces, passes))
+    }
+
+    /// The materials whose primitives have a detail.
+    pub(super) fn displaced_materials(&self) -> HashSet<usize> {
+        let of_mesh = |(m, details): (&crate::domain::scene::SceneMesh, &Vec<Option<Arc<Detail>>>)| {
+            let pairs = m.mesh.primitives.iter().zip(details);
+            pairs.filter(|(_, detail)| detail.is_some()).filter_map(|(p, _)| p.material).collect::<Vec<_>>()
+        };
+        self.scene.meshes.iter().zip(&self.details).flat_map(of_mesh).collect()
     }
 
     fn triangles(&self) -> u64 {
@@ -243,7 +265,7 @@ fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
 
 /// An 8-bit height map has 256 levels; stretched over a large scale they show as terraces.
 fn warn_of_terraces(details: &[Option<Arc<Detail>>], warnings: &mut Vec<Warning>) {
-    const CODE: &str = "eight-bit-terraces";
+    const CODE: &str = "eight_bit_terraces";
     let layers = details.iter().flatten().flat_map(|d| &d.layers);
     let eight_bit = |source: &LayerSource| match source {
         LayerSource::Height(map) => map.source_bits == 8,

@@ -5,7 +5,9 @@ use super::{
     work::canonical,
 };
 use crate::domain::{
-    Result, encode,
+    Result,
+    cancel::Cancel,
+    encode,
     image::{ImageContents, ImagePlan},
     report::{Estimate, Report},
     request::{ImageFormat, RenderRequest},
@@ -38,7 +40,7 @@ impl Work for RenderWork {
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
         let request = &self.request;
-        let mut inputs = Inputs::load(context.assets, context.limits, &request.surface)?;
+        let mut inputs = Inputs::load(context.assets, context.limits, context.cancel, &request.surface)?;
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..inputs.counts() };
@@ -70,7 +72,7 @@ fn image_bytes(request: &RenderRequest) -> u64 {
 }
 
 pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &RenderRequest) -> Result<Estimate> {
-    let inputs = Inputs::load(assets, limits, &request.surface)?;
+    let inputs = Inputs::load(assets, limits, &Cancel::default(), &request.surface)?;
     let geometry = inputs.estimate();
     let contents = ImageContents {
         vertices: geometry.vertices,

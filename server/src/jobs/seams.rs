@@ -1,9 +1,11 @@
 //! What a report says of seams and folds, measured on the result.
 
+use glam::DVec3;
+
 use crate::domain::{
     mesh::Mesh,
     report::{Report, Seams, Warning},
-    scene::Scene,
+    scene::{Scene, SceneMesh},
     surface::Surface,
 };
 
@@ -15,20 +17,29 @@ pub(super) fn describe(report: &mut Report, scene: &mut Scene, surfaces: &[Surfa
     report.seams = Some(Seams { gap_max, mismatch_max });
     let flipped = surfaces.iter().map(|s| s.flipped).sum();
     report.flipped = Some(flipped);
-    if mismatch_max > 1e-4 * scene.diagonal {
+    let shows = |(m, s): (&SceneMesh, &Surface)| f64::from(s.mismatch_max) > 1e-4 * diagonal(&m.mesh);
+    if scene.meshes.iter().zip(surfaces).any(shows) {
         scene.warnings.push(Warning::new(
-            "seam-mismatch",
+            "seam_mismatch",
             format!("the sides of a seam ask for heights up to {mismatch_max:.4} local units apart: the map does not tile across it; the surface was closed by a ramp"),
         ));
     }
     if flipped > 0 {
         scene.warnings.push(Warning::new(
-            "flipped-triangles",
+            "flipped_triangles",
             format!(
                 "{flipped} triangles face against their base: the displacement folds the surface over; lower the scale"
             ),
         ));
     }
+}
+
+/// Of the box of the base mesh, local units.
+fn diagonal(mesh: &Mesh) -> f64 {
+    let points = || mesh.gv_position.iter().map(|p| DVec3::from_array(p.map(f64::from)));
+    let low = points().fold(DVec3::INFINITY, DVec3::min);
+    let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
+    low.distance(high)
 }
 
 /// Largest distance between the fine vertices of one geometric vertex.

@@ -55,9 +55,19 @@ pub(super) enum Node {
     Apply(Op, f32, Vec<Node>),
 }
 
+/// Far more than fit a program, few enough to hold.
+const MAX_NODES: usize = 4096;
+
 impl Node {
     fn apply<const N: usize>(op: Op, operands: [Self; N]) -> Self {
         Self::Apply(op, 0.0, operands.into())
+    }
+
+    fn nodes(&self) -> usize {
+        match self {
+            Self::Apply(_, _, operands) => 1 + operands.iter().map(Self::nodes).sum::<usize>(),
+            _ => 1,
+        }
     }
 
     pub(super) fn instruction(&self) -> Instruction {
@@ -241,7 +251,13 @@ fn call(name: &str, arguments: Vec<Node>, column: usize) -> Result<Node, Problem
     if found != *arity {
         return Err(Problem::new(column, format!("{name} takes {arity} argument{plural}, found {found}")));
     }
-    Ok(function(name, arguments))
+    let made = function(name, arguments);
+    // Some functions use an operand twice: nested, they would double it again and again.
+    if made.nodes() > MAX_NODES {
+        let message = format!("{name} makes more than {MAX_NODES} steps of this: simplify it");
+        return Err(Problem::new(column, message));
+    }
+    Ok(made)
 }
 
 /// What a call with the right number of arguments becomes.

@@ -1,6 +1,6 @@
 //! Materials and the textures they use, as far as displacing and rendering need them.
 
-use super::json::At;
+use super::{displacement::SPELLINGS, json::At};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
@@ -35,10 +35,8 @@ fn material(root: &At<'_>, at: &At<'_>) -> Result<Material> {
     })
 }
 
-/// Both spellings in use; neither was ever ratified.
 fn displacement(root: &At<'_>, at: &At<'_>) -> Result<Option<MaterialDisplacement>> {
-    let spellings = ["KHR_materials_displacement", "KHR_materials_displacements"];
-    let Some(extension) = spellings.iter().find_map(|name| at.extension(name)) else { return Ok(None) };
+    let Some(extension) = SPELLINGS.iter().find_map(|name| at.extension(name)) else { return Ok(None) };
     let Some(texture) = extension.get("displacementGeometryTexture") else { return Ok(None) };
     let Some(texture) = texture_use(root, &texture)? else { return Ok(None) };
     let number = |key: &str, default: f64| Ok::<_, Error>(extension.number(key)?.unwrap_or(default) as f32);

@@ -1,5 +1,7 @@
 //! The node tree of the default scene: where meshes and cameras are.
 
+use std::collections::{HashMap, hash_map::Entry};
+
 use glam::{DMat4, DQuat, DVec3};
 use rayon::prelude::*;
 
@@ -31,6 +33,7 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
     let worlds = worlds(&roots, &children, &locals);
     check_skins(source, nodes.len())?;
     let mut graph = Graph::default();
+    let mut skins: HashMap<usize, DMat4> = HashMap::new();
     for (i, at) in nodes.iter().enumerate() {
         let camera = at.index("camera", source.root.count("cameras")?, "cameras")?;
         let mesh = at.index("mesh", source.root.count("meshes")?, "meshes")?;
@@ -41,7 +44,13 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
         }
         let Some(gltf_mesh) = mesh else { continue };
         warn_of_weights(source, at)?;
-        let world = skin.map_or(Ok(world), |skin| rest_pose(source, skin, &worlds))?;
+        let world = match skin {
+            None => world,
+            Some(skin) => match skins.entry(skin) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(place) => *place.insert(rest_pose(source, skin, &worlds)?),
+            },
+        };
         for world in instanced(source, at, world, limits.instances - graph.uses.len().min(limits.instances))? {
             graph.uses.push(Use { gltf_mesh, world_from_mesh: world.as_mat4().to_cols_array() });
         }

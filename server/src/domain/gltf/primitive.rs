@@ -220,16 +220,27 @@ fn read_targets(source: &Source<'_>, at: &At<'_>, vertices: usize, input: &mut P
             if accessor.count != vertices {
                 return Err(at.error(format!("has {} elements and POSITION {vertices}", accessor.count)));
             }
-            if accessor.is_matrix() {
+            let known = ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "_"];
+            if accessor.is_matrix() || !known.iter().any(|known| semantic.starts_with(known)) {
                 source.warn("attribute_dropped", format!("{} cannot be interpolated and was left out", at.path));
                 continue;
             }
+            check_target(source, &at, accessor, semantic)?;
             let values = mended(source, &at, "", accessor.floats(source)?);
             let semantic = format!("targets/{number}/{semantic}");
             input.attributes.push(VertexAttribute { semantic, components: accessor.components(), values });
         }
     }
     Ok(())
+}
+
+/// Deltas have three components, those of tangents as well.
+fn check_target(source: &Source<'_>, at: &At<'_>, accessor: &Accessor, semantic: &str) -> Result<()> {
+    match semantic {
+        "POSITION" => check_type(source, at, accessor, "POSITION"),
+        "NORMAL" | "TANGENT" => check_type(source, at, accessor, "NORMAL"),
+        _ => Ok(()),
+    }
 }
 
 /// What the specification allows for each attribute; KHR_mesh_quantization widens it.

@@ -273,6 +273,35 @@ fn bounds_of_what_passes_through_are_made_right() {
 }
 
 #[test]
+fn morph_targets_of_the_wrong_shape_are_refused_and_unknown_ones_left_out() {
+    let target =
+        |target: Value| load_quad(move |document| document["meshes"][0]["primitives"][0]["targets"] = json!([target]));
+    for wrong in ["POSITION", "NORMAL", "TANGENT"] {
+        let error = target(json!({ wrong: 2 })).expect_err("VEC2");
+        assert!(error.to_string().contains(&format!("meshes[0].primitives[0].targets[0].{wrong}")), "{error}");
+    }
+    let scene = target(json!({ "POSITION": 0, "FOO": 1 })).expect("loads");
+    assert!(scene.warnings.iter().any(|w| w.code == "attribute_dropped" && w.message.contains("FOO")));
+    rewritten(&scene);
+}
+
+#[test]
+fn what_is_displaced_is_not_displaced_again() {
+    let extension = json!({ "KHR_materials_displacement": { "displacementGeometryTexture": { "index": 0 } } });
+    let mut scene = load_quad(|document| {
+        document["extensionsUsed"] = json!(["KHR_materials_displacement"]);
+        document["materials"][0]["extensions"] = extension.clone();
+        document["materials"].as_array_mut().unwrap().push(json!({ "extensions": extension }));
+    })
+    .unwrap();
+    forget_displacement(&mut scene, &[0].into());
+    assert!(scene.document["materials"][0].get("extensions").is_none() && scene.materials[0].displacement.is_none());
+    assert!(scene.document.get("extensionsUsed").is_some() && scene.materials[1].displacement.is_some());
+    forget_displacement(&mut scene, &[1].into());
+    assert!(scene.document.get("extensionsUsed").is_none());
+}
+
+#[test]
 fn a_pose_and_morph_weights_that_are_not_shown_are_told_of() {
     let codes = |scene: Scene| scene.warnings.iter().map(|w| w.code.clone()).collect::<Vec<_>>();
     let bound = load_quad(|document| {

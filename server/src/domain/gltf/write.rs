@@ -1,6 +1,7 @@
 //! Scene and surfaces to one self-contained GLB: displaced primitives get fresh accessors, everything else
 //! of the document stays, and data nobody refers to any more is left out.
 
+pub(super) use document::drop_names;
 mod bounds;
 mod document;
 mod fine;

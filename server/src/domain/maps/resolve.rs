@@ -43,7 +43,7 @@ impl Details {
 /// The request's details by material; an entry without a material is for all that no other entry names. A
 /// material the request leaves alone keeps the displacement of the file (KHR_materials_displacement).
 pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'_>) -> Result<Details> {
-    let resolver = Resolver { assets, images: RefCell::default() };
+    let resolver = Resolver { assets, images: RefCell::default(), maps: RefCell::default() };
     let mut details = Details { of_material: vec![None; scene.materials.len()], of_none: None };
     let mut named = vec![false; scene.materials.len()];
     for (index, request) in requests.iter().enumerate() {
@@ -100,8 +100,12 @@ struct Resolver<'a> {
     assets: &'a AssetBytes<'a>,
     /// Decoded once however many layers use it.
     images: RefCell<HashMap<Digest, Arc<Pixels>>>,
+    /// Held once however many layers have it, by all that it is made of.
+    maps: RefCell<HashMap<String, Arc<Map>>>,
 }
 
+/// Values of all maps of one job together: 1 GiB.
+const MAX_VALUES: u64 = 1 << 28;
 const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const FLIPPED_V: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
 
@@ -115,17 +119,20 @@ impl Resolver<'_> {
     fn layer(&self, field: &str, request: &LayerRequest) -> Result<Layer> {
         let (source, midlevel) = match &request.source {
             SourceRequest::Height { map, channel } => {
-                let (map, default_midlevel) =
-                    self.height(&format!("{field}.height"), map, *channel, request.invert_height)?;
-                (LayerSource::Height(Arc::new(map)), request.midlevel.unwrap_or(default_midlevel))
+                let key = format!("{map:?} {channel:?} {}", request.invert_height);
+                let make = || self.height(&format!("{field}.height"), map, *channel, request.invert_height);
+                (LayerSource::Height(self.shared(key, make)?), request.midlevel.unwrap_or(0.0))
             }
             SourceRequest::Vector { map, space, swizzle } => {
-                let map = self.vector(&format!("{field}.vector"), map, *swizzle, request.midlevel)?;
-                (placed(map, *space), 0.0)
+                let key = format!("{map:?} {swizzle:?} {:?}", request.midlevel);
+                let make = || self.vector(&format!("{field}.vector"), map, *swizzle, request.midlevel);
+                (placed(self.shared(key, make)?, *space), 0.0)
             }
             SourceRequest::DirectionMagnitude { direction, magnitude, space, swizzle } => {
-                let map = self.direction_magnitude(field, direction, magnitude, *swizzle, request)?;
-                (placed(map, *space), 0.0)
+                let how = (request.midlevel, request.invert_height, request.preset);
+                let key = format!("{direction:?} {magnitude:?} {swizzle:?} {how:?}");
+                let make = || self.direction_magnitude(field, direction, magnitude, *swizzle, request);
+                (placed(self.shared(key, make)?, *space), 0.0)
             }
             SourceRequest::Expression { source } => {
                 let program = Program::parse(source).map_err(|e| e.with_field(format!("{field}.expression")))?;
@@ -143,6 +150,21 @@ impl Resolver<'_> {
         })
     }
 
+    fn shared(&self, key: String, make: impl FnOnce() -> Result<Map>) -> Result<Arc<Map>> {
+        if let Some(known) = self.maps.borrow().get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        let map = Arc::new(make()?);
+        let mut maps = self.maps.borrow_mut();
+        let values = maps.values().map(|map| map.texels.len() as u64).sum::<u64>() + map.texels.len() as u64;
+        if values > MAX_VALUES {
+            let message = format!("the maps of one job hold more than {MAX_VALUES} values: use smaller or fewer maps");
+            return Err(Error::too_large("details", message));
+        }
+        maps.insert(key, Arc::clone(&map));
+        Ok(map)
+    }
+
     fn pixels(&self, field: &str, asset: &Digest) -> Result<Arc<Pixels>> {
         if let Some(known) = self.images.borrow().get(asset) {
             return Ok(Arc::clone(known));
@@ -152,11 +174,11 @@ impl Resolver<'_> {
         Ok(pixels)
     }
 
-    fn height(&self, field: &str, request: &MapRequest, channel: Channel, invert: bool) -> Result<(Map, f32)> {
+    fn height(&self, field: &str, request: &MapRequest, channel: Channel, invert: bool) -> Result<Map> {
         let pixels = self.pixels(field, &request.asset)?;
         let channel = channel_index(field, &pixels, channel)?;
         let texels = pixels.texels([channel], |_, v| if invert { 1.0 - v } else { v });
-        Ok((map(field, &pixels, 1, texels, request)?, 0.0))
+        map(field, &pixels, 1, texels, request)
     }
 
     fn vector(&self, field: &str, request: &MapRequest, swizzle: Swizzle, midlevel: Option<f32>) -> Result<Map> {
@@ -206,29 +228,31 @@ impl Resolver<'_> {
         let field = format!("materials[{material}].extensions.KHR_materials_displacement");
         let bytes = scene.images.get(displacement.texture.image).and_then(|image| image.bytes.as_ref());
         let bytes = bytes.ok_or_else(|| Error::invalid(&field, "its image is not there: upload the file it names"))?;
-        let pixels = decode(&field, bytes)?;
-        let offset = displacement.offset;
-        let factor = displacement.factor;
-        let texels = pixels.texels([0], |_, v| factor * v + offset);
-        let map = Map {
-            width: pixels.width,
-            height: pixels.height,
-            channels: 1,
-            texels,
-            wrap: displacement.texture.wrap,
-            sampling: Sampling::Center,
-            source_bits: pixels.bits(),
+        let (factor, offset, wrap) = (displacement.factor, displacement.offset, displacement.texture.wrap);
+        let make = || {
+            let pixels = decode(&field, bytes)?;
+            Ok(Map {
+                width: pixels.width,
+                height: pixels.height,
+                channels: 1,
+                texels: pixels.texels([0], |_, v| factor * v + offset),
+                wrap,
+                sampling: Sampling::Center,
+                source_bits: pixels.bits(),
+            })
         };
+        let key = format!("image {} {factor} {offset} {wrap:?}", displacement.texture.image);
+        let map = self.shared(key, make)?;
         let map_from_uv = displacement.texture.map_from_uv;
-        let layer = Layer { source: LayerSource::Height(Arc::new(map)), scale: 1.0, midlevel: 0.0, map_from_uv };
+        let layer = Layer { source: LayerSource::Height(map), scale: 1.0, midlevel: 0.0, map_from_uv };
         Ok(Detail { layers: vec![layer], uv_set: displacement.texture.uv_set })
     }
 }
 
-fn placed(map: Map, space: Space) -> LayerSource {
+fn placed(map: Arc<Map>, space: Space) -> LayerSource {
     match space {
-        Space::Tangent => LayerSource::VectorTangent(Arc::new(map)),
-        Space::Object => LayerSource::VectorObject(Arc::new(map)),
+        Space::Tangent => LayerSource::VectorTangent(map),
+        Space::Object => LayerSource::VectorObject(map),
     }
 }
 

@@ -19,6 +19,8 @@ const DEEP_FAN: usize = 256;
 const STACK_BYTES: usize = 4096 * LARGEST_FAN;
 /// Triangles of a lot: its surroundings are small beside it, and many lots keep all cores busy.
 const LOT: usize = 4096;
+/// Triangles of a lot with its surroundings, several times what a sensible mesh in random order has.
+const MOST_AROUND: usize = 64 * LOT;
 
 /// Tangents as glTF wants them, one per corner, in the order of `triangles`. Corners are named by vertex;
 /// vertices of equal position, normal and UV count as one. A corner with no usable UVs around gets some
@@ -51,6 +53,14 @@ where
         let first = k * lot;
         let own = first..first + out.len() / 3;
         let (around, deepest) = fans.around(&own);
+        if around.len() > MOST_AROUND {
+            let message = format!(
+                "{} triangles touch a run of {}; tangents are made where at most {MOST_AROUND} do: weld less, or sort the triangles",
+                around.len(),
+                own.len()
+            );
+            return Err(Error::too_large("TANGENT", message));
+        }
         let corners = Corners { vertices, around, first: first as u32, out };
         if deepest < DEEP_FAN { generate(corners) } else { on_a_deep_stack(corners) }
     })?;

@@ -2,9 +2,10 @@
 
 use displace_proto::v1;
 
-use super::{finite, join, vector, within};
+use super::{join, vector, within};
 use crate::domain::{
     Error, Result,
+    camera::YFOV_DEGREES,
     request::{CameraChoice, Look},
 };
 
@@ -57,7 +58,7 @@ fn look_at(path: &str, camera: &v1::LookAt) -> Result<CameraChoice> {
 fn orbit(path: &str, camera: &v1::Orbit) -> Result<CameraChoice> {
     let distance = camera.distance.map(|distance| positive(&join(path, "distance"), distance)).transpose()?;
     Ok(CameraChoice::Orbit {
-        azimuth_degrees: finite(&join(path, "azimuth_degrees"), camera.azimuth_degrees)?,
+        azimuth_degrees: within(&join(path, "azimuth_degrees"), camera.azimuth_degrees, -36000.0, 36000.0)?,
         elevation_degrees: within(&join(path, "elevation_degrees"), camera.elevation_degrees, -90.0, 90.0)?,
         distance,
         yfov_degrees: yfov(path, camera.yfov_degrees)?,
@@ -66,13 +67,8 @@ fn orbit(path: &str, camera: &v1::Orbit) -> Result<CameraChoice> {
 
 fn yfov(path: &str, degrees: Option<f32>) -> Result<f32> {
     let degrees = degrees.unwrap_or(DEFAULT_YFOV_DEGREES);
-    if degrees > 0.0 && degrees < 180.0 {
-        return Ok(degrees);
-    }
-    Err(Error::invalid(
-        join(path, "yfov_degrees"),
-        format!("{degrees} is out of range; allowed are above 0 and below 180"),
-    ))
+    let (low, high) = YFOV_DEGREES.into_inner();
+    within(&join(path, "yfov_degrees"), degrees, low, high)
 }
 
 fn positive(field: &str, value: f32) -> Result<f32> {

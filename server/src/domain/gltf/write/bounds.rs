@@ -7,17 +7,21 @@ use serde_json::{Map, Value};
 use super::document::{elements, index_of, view_bytes};
 use crate::domain::{Result, report::Warning, scene::Scene};
 
+/// Read for bounds at most: a million accessors may lie on the same bytes.
+const MOST_BYTES: usize = 2 << 30;
+
 /// Mends the accessors for which `kept` is true.
 pub(super) fn mend(document: &mut Value, kept: &[bool], scene: &Scene, warnings: &mut Vec<Warning>) -> Result<()> {
     let needed = needed(document);
     let views = document.get("bufferViews").and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut left_bytes = MOST_BYTES;
     for (i, accessor) in elements(document, "accessors").enumerate().filter(|(i, _)| kept[*i]) {
         let Some(accessor) = accessor.as_object_mut() else { continue };
         let stated = [accessor.get("min"), accessor.get("max")].map(numbers);
         if !needed.contains(&i) && stated.iter().all(Option::is_none) {
             continue;
         }
-        let Some(found) = found(accessor, &views, scene)? else { continue };
+        let Some(found) = found(accessor, &views, scene, &mut left_bytes)? else { continue };
         if stated.iter().zip(&found).all(|(stated, found)| stated.as_ref() == Some(found)) {
             continue;
         }
@@ -49,7 +53,12 @@ fn numbers(list: Option<&Value>) -> Option<Vec<f64>> {
 
 /// The least and the greatest of each component; `None` where that takes more than reading a buffer view, or
 /// where there is no such thing.
-fn found(accessor: &Map<String, Value>, views: &[Value], scene: &Scene) -> Result<Option<[Vec<f64>; 2]>> {
+fn found(
+    accessor: &Map<String, Value>,
+    views: &[Value],
+    scene: &Scene,
+    left_bytes: &mut usize,
+) -> Result<Option<[Vec<f64>; 2]>> {
     let number = |key: &str| accessor.get(key).and_then(index_of);
     let components = match accessor.get("type").and_then(Value::as_str) {
         Some("SCALAR") => 1,
@@ -63,6 +72,8 @@ fn found(accessor: &Map<String, Value>, views: &[Value], scene: &Scene) -> Resul
         return Ok(None);
     };
     let Some(Component { size, read }) = component(kind) else { return Ok(None) };
+    let Some(left) = left_bytes.checked_sub(count.saturating_mul(size * components)) else { return Ok(None) };
+    *left_bytes = left;
     let bytes = view_bytes(view, scene)?;
     let stride = view.get("byteStride").and_then(index_of).unwrap_or(size * components);
     let mut bounds = [vec![f64::INFINITY; components], vec![f64::NEG_INFINITY; components]];

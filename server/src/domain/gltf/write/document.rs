@@ -181,7 +181,7 @@ fn drop_compression_of(value: &mut Value) {
     }
 }
 
-fn drop_names(document: &mut Value, unwanted: impl Fn(&str) -> bool) {
+pub(in super::super) fn drop_names(document: &mut Value, unwanted: impl Fn(&str) -> bool) {
     for key in ["extensionsUsed", "extensionsRequired"] {
         let Some(list) = document.get_mut(key).and_then(Value::as_array_mut) else { continue };
         list.retain(|name| !name.as_str().is_some_and(&unwanted));
