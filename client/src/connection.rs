@@ -40,9 +40,9 @@ pub(crate) const STREAM_DEADLINE: Duration = Duration::from_secs(6 * 3600);
 
 /// Seconds a job goes on at a server elsewhere when this client is gone: long enough to call again after a
 /// lost connection. Ctrl-C says farewell instead, which ends the job at once.
-const REMOTE_LINGER_SECS: u32 = 5;
+const REMOTE_LINGER_SECS: u32 = 10;
 /// How long saying farewell to a server may keep an interrupted command.
-const FAREWELL: Duration = Duration::from_secs(1);
+const FAREWELL: Duration = Duration::from_secs(2);
 
 /// An open way to a server.
 pub(crate) struct Connection {

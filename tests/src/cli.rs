@@ -3,7 +3,7 @@
 use std::{
     ffi::OsStr,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::{Child, Command, Stdio},
     sync::OnceLock,
 };
 
@@ -90,6 +90,15 @@ impl Displace {
             stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
         }
     }
+}
+
+/// Sends a signal (`INT`, `TERM`, `KILL`) by the shell's own `kill`: a small system has no other.
+///
+/// # Panics
+/// When the process is gone.
+pub fn signal(process: &Child, name: &str) {
+    let sent = Command::new("sh").args(["-c", "kill -$0 $1", name, &process.id().to_string()]).status();
+    assert!(sent.expect("a shell can be started").success(), "SIG{name} cannot be sent");
 }
 
 /// The path of `displace` or `displaced`, built once with the profile of the running tests: Cargo builds

@@ -38,6 +38,14 @@ pub fn render_camera(
     }
 }
 
+/// Whether the choice can be made at all, before anything is worked out for it.
+pub fn check(choice: &CameraChoice, scene: &Scene) -> Result<()> {
+    match choice {
+        CameraChoice::Named(name) => named(scene, name).map(|_| ()),
+        _ => Ok(()),
+    }
+}
+
 fn named<'s>(scene: &'s Scene, name: &str) -> Result<&'s Camera> {
     scene.cameras.iter().find(|camera| camera.name.as_deref() == Some(name)).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().filter_map(|c| c.name.as_deref()).map(|n| format!("'{n}'")).collect();

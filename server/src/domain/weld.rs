@@ -99,7 +99,7 @@ fn check(name: &str, primitives: &[PrimitiveInput]) -> Result<()> {
 }
 
 /// Bytes of the attribute rows of one mesh.
-const ROW_BYTES_LIMIT: u64 = 8 << 30;
+const ROW_BYTES_LIMIT: u64 = 4 << 30;
 /// Distinct attributes and morph target parts of one mesh.
 const ATTRIBUTE_LIMIT: usize = 4096;
 

@@ -3,13 +3,16 @@
 use super::{
     AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, work::canonical,
 };
-use crate::domain::{
-    Digest, Result,
-    cancel::Cancel,
-    describe::{self, Description},
-    gltf,
-    report::{Estimate, Report},
-    request::DisplaceRequest,
+use crate::{
+    domain::{
+        Digest, Result,
+        cancel::{Cancel, NoProgress},
+        describe::{self, Description},
+        gltf,
+        report::{Estimate, Report},
+        request::DisplaceRequest,
+    },
+    render::JobContext,
 };
 
 pub(super) struct DisplaceWork {
@@ -34,14 +37,15 @@ impl Work for DisplaceWork {
     }
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
-        let mut inputs = Inputs::load(context.assets, context.limits, context.cancel, &self.request)?;
+        let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &self.request)?;
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
         seams::describe(&mut report, &mut inputs.scene, &surfaces);
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
-        let written = inputs::timed("write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
+        let written =
+            inputs::timed(context.progress, "write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
         report.passes = passes;
@@ -63,5 +67,6 @@ pub(super) fn describe(assets: &dyn AssetReader, mesh: &Digest, resources: &[(St
 }
 
 pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Estimate> {
-    Ok(Inputs::load(assets, limits, &Cancel::default(), request)?.estimate())
+    Ok(Inputs::load(assets, limits, &JobContext { cancel: &Cancel::default(), progress: &NoProgress }, request)?
+        .estimate())
 }

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
 use crate::domain::{
-    Result, camera,
+    Error, Result, camera,
     image::{ColorMap, RenderInstance, RenderLight, RenderMaterial, RenderMesh, RenderScene},
     maps,
     mesh::Mesh,
@@ -18,10 +18,13 @@ use crate::domain::{
 
 const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
+/// Of all base colour maps together, 16 bytes each while they are decoded.
+const MOST_TEXELS: usize = 1 << 27;
+
 /// Consumes the surfaces: their streams become the renderer's without a copy.
 pub(super) fn render_scene(request: &RenderRequest, scene: &mut Scene, surfaces: Vec<Surface>) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
-    let materials = materials(scene);
+    let materials = materials(scene)?;
     let meshes = scene.meshes.iter().zip(surfaces);
     let meshes = meshes.map(|(m, surface)| render_mesh(&m.mesh, &scene.materials, surface)).collect();
     let instances = scene.instances.iter();
@@ -53,18 +56,25 @@ fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
 }
 
 /// The scene's materials, then one for primitives without.
-fn materials(scene: &mut Scene) -> Vec<RenderMaterial> {
+fn materials(scene: &mut Scene) -> Result<Vec<RenderMaterial>> {
     let mut images: HashMap<usize, Option<Arc<ColorMap>>> = HashMap::new();
+    let mut texels = 0;
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&without()]) {
         let texture = material.base_color.as_ref();
-        let map = texture.and_then(|texture| match images.get(&texture.image) {
-            Some(known) => known.clone(),
-            None => images.entry(texture.image).or_insert(of_file(scene, texture.image)).clone(),
-        });
+        if let Some(new) = texture.map(|texture| texture.image).filter(|image| !images.contains_key(image)) {
+            let map = of_file(scene, new);
+            texels += map.as_ref().map_or(0, |map| map.texels.len());
+            if texels > MOST_TEXELS {
+                let message = format!("the base colour maps have more than {MOST_TEXELS} texels: use smaller maps");
+                return Err(Error::too_large("images", message));
+            }
+            images.insert(new, map);
+        }
+        let map = texture.and_then(|texture| images.get(&texture.image).cloned().flatten());
         materials.push(render_material(material, texture, map));
     }
-    materials
+    Ok(materials)
 }
 
 fn without() -> Material {

@@ -11,7 +11,7 @@ use bytes::Bytes;
 use crate::{
     domain::{
         Digest, Error, Result,
-        cancel::Cancel,
+        cancel::Progress,
         detail::{Detail, LayerSource},
         gltf, look, maps,
         mesh::Mesh,
@@ -23,6 +23,7 @@ use crate::{
         weld,
     },
     jobs::{AssetReader, JobLimits, WorkContext},
+    render::JobContext,
 };
 
 pub(super) struct Inputs {
@@ -40,19 +41,20 @@ impl Inputs {
     pub(super) fn load(
         assets: &dyn AssetReader,
         limits: &JobLimits,
-        cancel: &Cancel,
+        job: &JobContext<'_>,
         request: &DisplaceRequest,
     ) -> Result<Self> {
         let mut passes = Vec::new();
-        let mut scene = timed("read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
+        let mut scene =
+            timed(job.progress, "read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
         if let Some(digest) = &request.base_color {
             look::replace_base_color(&mut scene, assets.read(digest)?)?;
         }
-        cancel.check()?;
-        let details = timed("decode_maps", &mut passes, || details(assets, &scene, request))?;
-        cancel.check()?;
+        job.cancel.check()?;
+        let details = timed(job.progress, "decode_maps", &mut passes, || details(assets, &scene, request))?;
+        job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
-        cancel.check()?;
+        job.cancel.check()?;
         let plans = plans(&scene, request)?;
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
         let inputs = Self { scene, plans, details, triangles_in, passes };
@@ -104,6 +106,12 @@ impl Inputs {
         self.scene.meshes.iter().zip(&self.details).flat_map(of_mesh).collect()
     }
 
+    /// Vertices and triangles of all instances, each counted as often as its mesh is used.
+    pub(super) fn instanced(&self) -> (u64, u64) {
+        let plans = self.scene.instances.iter().filter_map(|instance| self.plans.get(instance.mesh));
+        plans.fold((0, 0), |(vertices, triangles), plan| (vertices + plan.vertices, triangles + plan.triangles))
+    }
+
     fn triangles(&self) -> u64 {
         self.plans.iter().map(|p| p.triangles).sum()
     }
@@ -149,8 +157,14 @@ impl Inputs {
     }
 }
 
-/// Runs one host step and notes its time beside the passes.
-pub(super) fn timed<T>(name: &str, passes: &mut Vec<PassTime>, step: impl FnOnce() -> Result<T>) -> Result<T> {
+/// Runs one host step, tells of it, and notes its time beside the passes.
+pub(super) fn timed<T>(
+    progress: &dyn Progress,
+    name: &str,
+    passes: &mut Vec<PassTime>,
+    step: impl FnOnce() -> Result<T>,
+) -> Result<T> {
+    progress.pass(name, 0, 1);
     let start = Instant::now();
     let result = tracing::debug_span!("pass", name).in_scope(step)?;
     passes.push(PassTime { name: name.into(), ms: start.elapsed().as_secs_f64() * 1e3, bytes: 0 });
@@ -180,7 +194,7 @@ pub(super) fn scene(assets: &dyn AssetReader, mesh: &Digest, resources: &[(Strin
 }
 
 /// The error of a plan that asks for more than one job may take.
-fn too_large(what: &str, needed: u64, allowed: u64) -> Error {
+pub(super) fn too_large(what: &str, needed: u64, allowed: u64) -> Error {
     Error::too_large(
         "geometry.uniform",
         format!("the job needs {needed} bytes of {what}; this server gives a job {allowed}: lower the level"),

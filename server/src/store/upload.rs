@@ -20,6 +20,9 @@ use super::{Class, Digest, Error, ErrorKind, Result, Tenant, TenantStore, crashe
 /// An upload nobody continued for this long is closed; it is opened, and hashed, again when needed.
 const IDLE: Duration = Duration::from_secs(60);
 
+/// Each open upload holds a file: the one not used for longest makes room.
+const MOST_OPEN: usize = 256;
+
 /// Tells uploads of the same asset apart. Checked, because it becomes part of a file name.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct UploadId(String);
@@ -81,6 +84,9 @@ impl Uploads {
 
     fn slot(&self, key: &Key) -> Slot {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        if open.len() >= MOST_OPEN && !open.contains_key(key) {
+            close_oldest(&mut open);
+        }
         Arc::clone(open.entry(key.clone()).or_default())
     }
 
@@ -104,6 +110,14 @@ impl Uploads {
 
     fn path(&self, (tenant, digest, id): &Key) -> PathBuf {
         self.folder.join(format!("{tenant}+{}-{}+{}", digest.hex(), digest.size_bytes, id.0))
+    }
+}
+
+fn close_oldest(open: &mut HashMap<Key, Slot>) {
+    let last_use = |slot: &Slot| slot.try_lock().ok()?.as_ref().map(|session| session.last_use);
+    let oldest = open.iter().filter_map(|(key, slot)| Some((last_use(slot)?, key))).min_by_key(|(used, _)| *used);
+    if let Some(key) = oldest.map(|(_, key)| key.clone()) {
+        open.remove(&key);
     }
 }
 

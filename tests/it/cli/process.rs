@@ -2,12 +2,16 @@
 
 use std::{
     io::Read,
-    process::{Command, Stdio},
+    process::Stdio,
     time::{Duration, Instant},
 };
 
 use displace_server::config::Config;
-use displace_tests::{cli::Displace, data::sample, server};
+use displace_tests::{
+    cli::{Displace, signal},
+    data::sample,
+    server,
+};
 
 #[test]
 fn the_command_brings_its_own_service() {
@@ -68,7 +72,7 @@ fn interrupted(displace: &Displace, place: [&str; 2]) -> (Option<i32>, String) {
         .unwrap();
     std::thread::sleep(Duration::from_millis(1500));
     let sent = Instant::now();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    signal(&child, "INT");
     let code = child.wait().unwrap().code();
     assert!(sent.elapsed() < Duration::from_secs(5), "{:?}", sent.elapsed());
     let mut stdout = String::new();
@@ -98,8 +102,8 @@ fn an_interrupt_ends_the_job_at_a_server_elsewhere() {
     assert_eq!(code, Some(130), "{stdout}");
     let left_at = Instant::now();
     while status()["running_jobs"] != 0 {
-        // Well before the job would be given up for lost.
-        assert!(left_at.elapsed() < Duration::from_secs(2));
+        // Before the job would be given up for lost, after 10 s.
+        assert!(left_at.elapsed() < Duration::from_secs(8));
     }
     assert_eq!(status()["jobs"][0]["cancelled"], 1);
 }

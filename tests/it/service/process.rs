@@ -8,7 +8,7 @@ use std::{
 };
 
 use displace_proto::v1::{self, assets_client::AssetsClient, server_client::ServerClient};
-use displace_tests::cli::binary;
+use displace_tests::cli::{binary, signal};
 use tonic::transport::Channel;
 
 use super::{
@@ -50,8 +50,7 @@ impl Daemon {
     }
 
     fn signal(&self, name: &str) {
-        let sent = Command::new("kill").arg(format!("-{name}")).arg(self.child.id().to_string()).status().unwrap();
-        assert!(sent.success());
+        signal(&self.child, name);
     }
 
     fn high_water_bytes(&self) -> u64 {
