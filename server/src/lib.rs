@@ -1,13 +1,14 @@
 //! The Displace service: everything behind `displaced`, usable in-process.
 //!
 //! Dependency direction (checked by `tests/it/tidy.rs`):
-//! `grpc -> jobs -> render -> {domain, vulkan, glsl}`, `store -> domain`, `domain -> glsl (data, reference)`.
+//! `grpc -> jobs -> render -> {oracle, domain, vulkan, glsl}`, `{store, oracle} -> domain`, `domain -> glsl (data, reference)`.
 
 pub mod args;
 pub mod config;
 pub mod domain;
 pub mod grpc;
 pub mod jobs;
+pub mod oracle;
 pub mod render;
 pub mod service;
 pub mod store;

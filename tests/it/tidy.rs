@@ -45,6 +45,22 @@ const FORBIDDEN: &[(&str, &[&str], &str)] = &[
         "the device layer knows shaders and streams, not meshes or requests",
     ),
     (
+        "oracle",
+        &[
+            "tonic",
+            "prost",
+            "displace_proto",
+            "ash",
+            "tokio",
+            "crate::vulkan",
+            "crate::render",
+            "crate::jobs",
+            "crate::grpc",
+            "crate::store",
+        ],
+        "the oracle judges and shares no code with what it judges",
+    ),
+    (
         "render",
         &["tonic", "prost", "displace_proto", "crate::jobs", "crate::grpc", "crate::store"],
         "executors run plans and do not know who asked",

@@ -1,0 +1,121 @@
+//! A map as the function it stands for: bilinear between texels, continued by its wrap rules.
+
+use std::sync::Arc;
+
+use crate::domain::detail::{Map, Sampling, Wrap};
+
+/// A bilinear function of texel space, in which texel (i, j) lies at (i, j). Cell (i, j) lies between texels
+/// i and i + 1, j and j + 1; texels continue beyond the map by its wrap rules.
+#[derive(Clone, Debug)]
+pub struct Field {
+    map: Arc<Map>,
+}
+
+impl Field {
+    #[must_use]
+    pub fn new(map: &Arc<Map>) -> Self {
+        Self { map: Arc::clone(map) }
+    }
+
+    #[must_use]
+    pub fn channels(&self) -> u32 {
+        self.map.channels
+    }
+
+    /// Texels across and down.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        [self.map.width, self.map.height]
+    }
+
+    /// Per axis (across, down): scale and offset of x = scale · u + offset.
+    #[must_use]
+    pub fn texel_from_uv(&self) -> [[f64; 2]; 2] {
+        self.size().map(|n| match self.map.sampling {
+            Sampling::Center => [f64::from(n), -0.5],
+            Sampling::Node => [f64::from(n) - 1.0, 0.0],
+        })
+    }
+
+    /// Texel (x, y) of one channel.
+    #[must_use]
+    pub fn texel(&self, channel: u32, x: i64, y: i64) -> f64 {
+        let x = wrapped(x, self.map.width, self.map.wrap[0], self.map.sampling);
+        let y = wrapped(y, self.map.height, self.map.wrap[1], self.map.sampling);
+        let index = (y * i64::from(self.map.width) + x) * i64::from(self.map.channels) + i64::from(channel);
+        f64::from(self.map.texels[index as usize])
+    }
+
+    /// The four texels around cell (x, y): `[at (0, 0), (1, 0), (0, 1), (1, 1)]`.
+    #[must_use]
+    pub fn cell(&self, channel: u32, x: i64, y: i64) -> [f64; 4] {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(channel, x + i, y + j))
+    }
+
+    /// The value at texel-space (x, y).
+    #[must_use]
+    pub fn value(&self, channel: u32, x: f64, y: f64) -> f64 {
+        let (i, j) = (x.floor(), y.floor());
+        let [a, b, c, d] = self.cell(channel, i as i64, j as i64);
+        let (s, t) = (x - i, y - j);
+        (a * (1.0 - s) + b * s) * (1.0 - t) + (c * (1.0 - s) + d * s) * t
+    }
+}
+
+/// Which of n texels lattice point i shows.
+fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
+    let n = i64::from(n);
+    let last = n - 1;
+    match (wrap, sampling) {
+        (Wrap::Clamp, _) => i.clamp(0, last),
+        (Wrap::Repeat, Sampling::Center) => i.rem_euclid(n),
+        // The last texel lies on the first of the next period: both are kept, [0, 1] is read as it is.
+        (Wrap::Repeat, Sampling::Node) if (0..=last).contains(&i) => i,
+        (Wrap::Repeat, Sampling::Node) => i.rem_euclid(last.max(1)),
+        (Wrap::Mirror, Sampling::Center) => {
+            let i = i.rem_euclid(2 * n);
+            i.min(2 * n - 1 - i)
+        }
+        (Wrap::Mirror, Sampling::Node) => {
+            let period = (2 * last).max(1);
+            let i = i.rem_euclid(period);
+            i.min(period - i).min(last)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(n: u32, wrap: Wrap, sampling: Sampling, range: std::ops::Range<i64>) -> Vec<f64> {
+        let texels = (0..n).map(|i| i as f32).collect();
+        let map = Map { width: n, height: 1, channels: 1, texels, wrap: [wrap; 2], sampling, source_bits: 32 };
+        let field = Field::new(&Arc::new(map));
+        range.map(|i| field.texel(0, i, 0)).collect()
+    }
+
+    #[test]
+    fn maps_continue_by_their_wrap_rules() {
+        assert_eq!(row(3, Wrap::Repeat, Sampling::Center, -2..5), [1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0]);
+        assert_eq!(row(3, Wrap::Mirror, Sampling::Center, -2..5), [1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 1.0]);
+        assert_eq!(row(3, Wrap::Clamp, Sampling::Center, -2..5), [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0]);
+        assert_eq!(row(3, Wrap::Repeat, Sampling::Node, -2..5), [0.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0]);
+        assert_eq!(row(3, Wrap::Mirror, Sampling::Node, -2..5), [2.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0]);
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            assert_eq!(row(1, wrap, Sampling::Node, -2..3), [0.0; 5]);
+        }
+    }
+
+    #[test]
+    fn between_texels_the_field_is_bilinear() {
+        let texels = vec![0.0, 1.0, 2.0, 7.0];
+        let wrap = [Wrap::Clamp; 2];
+        let sampling = Sampling::Center;
+        let map = Map { width: 2, height: 2, channels: 1, texels, wrap, sampling, source_bits: 32 };
+        let field = Field::new(&Arc::new(map));
+        assert_eq!(field.value(0, 0.5, 0.5), 2.5);
+        assert_eq!(field.value(0, 0.25, 1.0), 3.25);
+        assert_eq!(field.texel_from_uv(), [[2.0, -0.5]; 2]);
+    }
+}
