@@ -4,7 +4,18 @@
 //! | file | answers |
 //! |---|---|
 //! | `field.rs` | a map as the bilinear function it stands for |
+//! | `surface.rs`, `surface/` | where the displaced surface is, and how far a triangle may be from it |
+//! | `parameter.rs`, `interval_jet.rs` | numbers, derivatives and bounds the surface is evaluated with |
+//! | `dicing.rs`, `dicing/` | the surface as triangles with a certified residual |
+//! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
+//! | `hausdorff.rs` | how far two of them are apart, as an interval |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
 
 pub mod bvh;
+pub mod dicing;
 pub mod field;
+pub mod hausdorff;
+pub mod interval_jet;
+pub mod parameter;
+pub mod sheet;
+pub mod surface;

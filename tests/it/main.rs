@@ -3,6 +3,7 @@ mod cli;
 mod corpus;
 mod determinism;
 mod gltf;
+mod oracle;
 mod passes;
 mod raster;
 mod service;

@@ -9,12 +9,16 @@ use crate::domain::detail::{Map, Sampling, Wrap};
 #[derive(Clone, Debug)]
 pub struct Field {
     map: Arc<Map>,
+    /// Lowest and highest texel of each channel.
+    ranges: Vec<[f64; 2]>,
 }
 
 impl Field {
     #[must_use]
     pub fn new(map: &Arc<Map>) -> Self {
-        Self { map: Arc::clone(map) }
+        let texels = |c: usize| map.texels.iter().skip(c).step_by(map.channels as usize).map(|&v| f64::from(v));
+        let range = |c| texels(c).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        Self { map: Arc::clone(map), ranges: (0..map.channels as usize).map(range).collect() }
     }
 
     #[must_use]
@@ -50,6 +54,12 @@ impl Field {
     #[must_use]
     pub fn cell(&self, channel: u32, x: i64, y: i64) -> [f64; 4] {
         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(channel, x + i, y + j))
+    }
+
+    /// Lowest and highest texel of one channel.
+    #[must_use]
+    pub fn range(&self, channel: u32) -> [f64; 2] {
+        self.ranges[channel as usize]
     }
 
     /// The value at texel-space (x, y).

@@ -1,0 +1,330 @@
+//! One base triangle, cut into convex regions.
+
+use std::{
+    collections::HashMap,
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+use glam::DVec3;
+
+use super::{Dicing, Limits, Region, SharedEdges};
+use crate::{domain::mesh::Mesh, oracle::surface::Surface};
+
+/// Whole numbers of a grid within this of a region's border do not cut it.
+const GRID_SLACK: f64 = 1e-9;
+/// Texel borders of the other side of a seam that are followed into its ramp.
+const MOST_FAN_LINES: usize = 256;
+
+/// Vertices, and polygons of them.
+pub(super) struct Patch {
+    vertices: Vec<Vertex>,
+    /// What lies between two neighbouring vertices that were once joined directly.
+    splits: HashMap<(u32, u32), u32>,
+    polygons: Vec<Polygon>,
+}
+
+struct Vertex {
+    b: DVec3,
+    position: DVec3,
+    /// From where this base triangle alone would have it to where all agree.
+    moved: f64,
+}
+
+struct Polygon {
+    corners: Vec<u32>,
+    depth: u32,
+    deviation: f64,
+}
+
+/// A straight cut: `line · b = 0`, in texels or with a largest component of 1.
+#[derive(Clone, Copy)]
+struct Cut {
+    line: DVec3,
+}
+
+impl Patch {
+    /// `None` when all patches together have more than the allowed triangles.
+    pub(super) fn cut(
+        surface: &Surface<'_>,
+        t: usize,
+        limits: &Limits,
+        spent: &AtomicUsize,
+        wants_more: &(dyn Fn(&Region<'_>) -> bool + Sync),
+    ) -> Option<Self> {
+        let corners =
+            [DVec3::X, DVec3::Y, DVec3::Z].map(|b| Vertex { b, position: surface.position(t, b), moved: 0.0 });
+        let lengths = [1, 2].map(|k| corners[k].position.distance(corners[0].position));
+        let mut patch = Self { vertices: corners.into(), splits: HashMap::new(), polygons: Vec::new() };
+        let kinks = Kinks { grids: surface.grids(t), lines: surface.seam_lines(t, MOST_FAN_LINES) };
+        let mut open = vec![Polygon { corners: vec![0, 1, 2], depth: 0, deviation: 0.0 }];
+        while let Some(mut polygon) = open.pop() {
+            polygon.corners = patch.expanded(&polygon.corners);
+            let b: Vec<DVec3> = polygon.corners.iter().map(|&v| patch.vertices[v as usize].b).collect();
+            let positions: Vec<DVec3> = polygon.corners.iter().map(|&v| patch.vertices[v as usize].position).collect();
+            polygon.deviation = surface.deviation(t, &b);
+            let region = Region { base: t, positions: &positions, deviation: polygon.deviation };
+            if polygon.depth < limits.max_depth && wants_more(&region) {
+                let cut = kinks.cut(&b).unwrap_or_else(|| halving(&b, lengths));
+                let parts = patch.divide(surface, t, &polygon, cut);
+                if parts.len() == 2 {
+                    open.extend(parts);
+                    continue;
+                }
+            }
+            let triangles = polygon.corners.len() - 2;
+            if spent.fetch_add(triangles, Ordering::Relaxed) > limits.max_triangles {
+                return None;
+            }
+            patch.polygons.push(polygon);
+        }
+        Some(patch)
+    }
+
+    /// Corners with everything that has been put between them since.
+    fn expanded(&self, corners: &[u32]) -> Vec<u32> {
+        let mut all = Vec::with_capacity(corners.len() + 2);
+        for (k, &from) in corners.iter().enumerate() {
+            all.push(from);
+            self.between(from, corners[(k + 1) % corners.len()], &mut all);
+        }
+        all
+    }
+
+    fn between(&self, from: u32, to: u32, all: &mut Vec<u32>) {
+        if let Some(&middle) = self.splits.get(&(from.min(to), from.max(to))) {
+            self.between(from, middle, all);
+            all.push(middle);
+            self.between(middle, to, all);
+        }
+    }
+
+    /// The parts on either side of a cut; fewer than two where it only touches.
+    fn divide(&mut self, surface: &Surface<'_>, t: usize, polygon: &Polygon, cut: Cut) -> Vec<Polygon> {
+        let sign = |patch: &Self, v: u32| patch.side(v, cut);
+        let mut parts = [Vec::new(), Vec::new()];
+        let count = polygon.corners.len();
+        for k in 0..count {
+            let (from, to) = (polygon.corners[k], polygon.corners[(k + 1) % count]);
+            let (a, b) = (sign(self, from), sign(self, to));
+            if a <= 0 {
+                parts[0].push(from);
+            }
+            if a >= 0 {
+                parts[1].push(from);
+            }
+            if a * b < 0 {
+                let middle = self.split(surface, t, from, to, cut);
+                parts.iter_mut().for_each(|part| part.push(middle));
+            }
+        }
+        let depth = polygon.depth + 1;
+        let part = |corners: Vec<u32>| Polygon { corners, depth, deviation: 0.0 };
+        // A part that lies on the cut alone has no area, however many corners.
+        let has_area = |corners: &Vec<u32>| corners.iter().any(|&v| sign(self, v) != 0);
+        parts.into_iter().filter(has_area).map(part).collect()
+    }
+
+    /// −1, 0 or 1.
+    fn side(&self, v: u32, cut: Cut) -> i32 {
+        let d = cut.line.dot(self.vertices[v as usize].b);
+        if d.abs() <= GRID_SLACK { 0 } else { d.signum() as i32 }
+    }
+
+    fn split(&mut self, surface: &Surface<'_>, t: usize, from: u32, to: u32, cut: Cut) -> u32 {
+        let (from, to) = (from.min(to), from.max(to));
+        let [p, q] = [from, to].map(|v| self.vertices[v as usize].b);
+        let (d, e) = (cut.line.dot(p), cut.line.dot(q));
+        let b = p + (q - p) * (d / (d - e));
+        // On a side of the base triangle a barycentric is exactly 0 and stays so.
+        self.put_between(surface, t, from, to, b)
+    }
+
+    fn put_between(&mut self, surface: &Surface<'_>, t: usize, from: u32, to: u32, b: DVec3) -> u32 {
+        let middle = self.vertices.len() as u32;
+        self.vertices.push(Vertex { b, position: surface.position(t, b), moved: 0.0 });
+        self.splits.insert((from.min(to), from.max(to)), middle);
+        middle
+    }
+
+    pub(super) fn corner(&self, k: usize) -> DVec3 {
+        self.vertices[k].position
+    }
+
+    /// Vertices inside side k of the base triangle: how far along its edge, and where.
+    pub(super) fn on_side(&self, mesh: &Mesh, t: usize, k: usize) -> Vec<(f64, DVec3)> {
+        let mut between = Vec::new();
+        self.between(k as u32, (k as u32 + 1) % 3, &mut between);
+        let along = |v: u32| along_edge(mesh, t, k, self.vertices[v as usize].b);
+        between.into_iter().map(|v| (along(v), self.vertices[v as usize].position)).collect()
+    }
+
+    /// Takes in what the other sides of its edges were cut at, and the places agreed on there.
+    pub(super) fn insert_shared(&mut self, surface: &Surface<'_>, t: usize, edges: &SharedEdges) {
+        let mesh = surface.mesh();
+        for k in 0..3 {
+            let ge = mesh.ae_ge[mesh.triangles[t].ae[k] as usize] as usize;
+            for (&bits, &place) in &edges[ge] {
+                let vertex = self.vertex_on_side(surface, t, k, f64::from_bits(bits));
+                self.move_to(vertex as usize, place);
+            }
+            let gv = mesh.av_gv[mesh.triangles[t].av[k] as usize];
+            self.move_to(k, surface.corner_position(gv as usize, self.vertices[k].position));
+        }
+    }
+
+    fn move_to(&mut self, vertex: usize, place: DVec3) {
+        let vertex = &mut self.vertices[vertex];
+        vertex.moved += vertex.position.distance(place);
+        vertex.position = place;
+    }
+
+    /// The vertex at `along` on side k; made where there is none.
+    fn vertex_on_side(&mut self, surface: &Surface<'_>, t: usize, k: usize, along: f64) -> u32 {
+        let mesh = surface.mesh();
+        let mut chain = vec![k as u32];
+        self.between(k as u32, (k as u32 + 1) % 3, &mut chain);
+        chain.push((k as u32 + 1) % 3);
+        let at = |v: u32| along_edge(mesh, t, k, self.vertices[v as usize].b);
+        let same = |v: &&u32| (at(**v) - along).abs() <= super::SAME_POINT;
+        if let Some(&known) = chain[1..chain.len() - 1].iter().find(same) {
+            return known;
+        }
+        let rising = at(chain[0]) < at(chain[chain.len() - 1]);
+        let next = chain.iter().position(|&v| if rising { at(v) > along } else { at(v) < along });
+        let next = next.unwrap_or(chain.len() - 1).max(1);
+        self.put_between(surface, t, chain[next - 1], chain[next], on_edge(mesh, t, k, along))
+    }
+
+    /// Adds the regions as triangles. `shared` numbers the points of base edges.
+    pub(super) fn append(
+        &self,
+        mesh: &Mesh,
+        t: usize,
+        shared: &dyn Fn(usize, f64) -> Option<u32>,
+        dicing: &mut Dicing,
+    ) {
+        let mut number: Vec<Option<u32>> = vec![None; self.vertices.len()];
+        for k in 0..3 {
+            number[k] = Some(mesh.av_gv[mesh.triangles[t].av[k] as usize]);
+            let mut between = Vec::new();
+            self.between(k as u32, (k as u32 + 1) % 3, &mut between);
+            let ge = mesh.ae_ge[mesh.triangles[t].ae[k] as usize] as usize;
+            for v in between {
+                number[v as usize] = shared(ge, along_edge(mesh, t, k, self.vertices[v as usize].b));
+            }
+        }
+        let numbers: Vec<u32> = number
+            .into_iter()
+            .zip(&self.vertices)
+            .map(|(number, vertex)| {
+                number.unwrap_or_else(|| {
+                    dicing.positions.push(vertex.position);
+                    dicing.positions.len() as u32 - 1
+                })
+            })
+            .collect();
+        for polygon in &self.polygons {
+            let outline = self.expanded(&polygon.corners);
+            let moved = outline.iter().map(|&v| self.vertices[v as usize].moved).fold(0.0, f64::max);
+            for corners in fans(&outline, &self.vertices) {
+                dicing.triangles.push(corners.map(|v| numbers[v as usize]));
+                dicing.at.push(corners.map(|v| self.vertices[v as usize].b));
+                dicing.base.push(t as u32);
+                dicing.residual.push(((polygon.deviation + moved) as f32).next_up());
+            }
+        }
+    }
+}
+
+/// Triangles of a convex polygon, some of whose corners may lie on a straight side.
+fn fans(corners: &[u32], vertices: &[Vertex]) -> Vec<[u32; 3]> {
+    let area = |[i, j, k]: [u32; 3]| {
+        let [a, b, c] = [i, j, k].map(|v| vertices[v as usize].b);
+        (b - a).cross(c - a).length()
+    };
+    let mut left = corners.to_vec();
+    let mut triangles = Vec::with_capacity(corners.len() - 2);
+    // Cutting off the ear with the most area for its place never leaves three corners in a row for last.
+    while left.len() > 3 {
+        let n = left.len();
+        let ear = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
+        let best =
+            (0..n).max_by(|&a, &b| quality(ear(a), &area, vertices).total_cmp(&quality(ear(b), &area, vertices)));
+        let best = best.unwrap_or(0);
+        triangles.push(ear(best));
+        left.remove(best);
+    }
+    triangles.push([left[0], left[1], left[2]]);
+    triangles
+}
+
+fn quality(ear: [u32; 3], area: &impl Fn([u32; 3]) -> f64, vertices: &[Vertex]) -> f64 {
+    let across = vertices[ear[0] as usize].b.distance_squared(vertices[ear[2] as usize].b);
+    area(ear) / across.max(1e-300)
+}
+
+/// How far along its edge a point on side k lies, 0 to 1 from the edge's lower vertex.
+fn along_edge(mesh: &Mesh, t: usize, k: usize, b: DVec3) -> f64 {
+    let (from, to) = ends(mesh, t, k);
+    b[to] / (b[to] + b[from])
+}
+
+fn on_edge(mesh: &Mesh, t: usize, k: usize, along: f64) -> DVec3 {
+    let (from, to) = ends(mesh, t, k);
+    let mut b = DVec3::ZERO;
+    b[to] = along;
+    b[from] = 1.0 - along;
+    b
+}
+
+/// Corners where the edge of side k starts and ends.
+fn ends(mesh: &Mesh, t: usize, k: usize) -> (usize, usize) {
+    let triangle = &mesh.triangles[t];
+    let forward = mesh.ae_av[triangle.ae[k] as usize][0] == triangle.av[k];
+    if forward { (k, (k + 1) % 3) } else { ((k + 1) % 3, k) }
+}
+
+/// Lines along which a base triangle's surface has kinks.
+struct Kinks {
+    /// Functions over the corners whose whole numbers are kinks.
+    grids: Vec<[f64; 3]>,
+    lines: Vec<DVec3>,
+}
+
+impl Kinks {
+    /// The cut that leaves the fewest further ones.
+    fn cut(&self, region: &[DVec3]) -> Option<Cut> {
+        let mut best: Option<(f64, Cut)> = None;
+        for grid in &self.grids {
+            let grid = DVec3::from_array(*grid);
+            let (low, high) = extremes(region, grid);
+            let (first, last) = ((low + GRID_SLACK).floor() + 1.0, (high - GRID_SLACK).ceil() - 1.0);
+            let count = last - first + 1.0;
+            if count >= 1.0 && best.as_ref().is_none_or(|(most, _)| count > *most) {
+                let middle = ((first + last) * 0.5).floor();
+                best = Some((count, Cut { line: grid - middle }));
+            }
+        }
+        best.map(|(_, cut)| cut).or_else(|| self.line_through(region))
+    }
+
+    fn line_through(&self, region: &[DVec3]) -> Option<Cut> {
+        let crosses = |line: &&DVec3| {
+            let (low, high) = extremes(region, **line);
+            low < -GRID_SLACK && high > GRID_SLACK
+        };
+        self.lines.iter().find(crosses).map(|line| Cut { line: *line })
+    }
+}
+
+fn extremes(region: &[DVec3], line: DVec3) -> (f64, f64) {
+    region.iter().map(|b| line.dot(*b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)))
+}
+
+/// Across the middle of the longer side of the region's box: whatever its corners, its parts are smaller.
+fn halving(b: &[DVec3], lengths: [f64; 2]) -> Cut {
+    let [w1, w2] = [DVec3::Y, DVec3::Z].map(|axis| extremes(b, axis));
+    let longer = (w1.1 - w1.0) * lengths[0] >= (w2.1 - w2.0) * lengths[1];
+    let (axis, (low, high)) = if longer { (DVec3::Y, w1) } else { (DVec3::Z, w2) };
+    Cut { line: axis - 0.5 * (low + high) }
+}

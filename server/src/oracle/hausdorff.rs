@@ -1,0 +1,335 @@
+//! Certified distances: the Hausdorff distance of two sheets as an interval that holds it.
+//!
+//! From A to B it is the largest distance any place of A has to B. A place known exactly gives a lower bound;
+//! a piece of A gives an upper bound, and the pieces with the largest are cut until the bounds meet (branch
+//! and bound; Tang, Lee and Kim 2009). For a piece with corners cᵢ and distances dᵢ:
+//! * distance to a convex set is convex, so to one triangle of B it is largest at a corner;
+//! * distance is 1-Lipschitz, so it is at most max dᵢ + ⅔ of the longest side anywhere;
+//! * to a surface, the piece pairs with the surface's places between those nearest to its corners.
+
+use std::{cmp::Ordering, collections::BinaryHeap};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::sheet::{Near, Sheet, distance_to_triangle};
+use crate::domain::{
+    Result,
+    cancel::{Cancel, Progress},
+};
+
+/// How exact, and at most how much work.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Width of the interval asked for, world units; above 0.
+    pub precision: f64,
+    /// Pieces that are cut before the interval is returned as it stands.
+    pub max_cuts: u64,
+}
+
+/// The distance from one sheet to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Directed {
+    /// At least, at most; world units.
+    pub lo: f64,
+    pub hi: f64,
+    /// A place of the first sheet that is at least `lo` away, and the place of the second nearest to it.
+    pub at: [DVec3; 2],
+    /// Distance of each vertex of the first sheet.
+    pub of_vertex: Vec<f64>,
+    /// Pieces that were cut.
+    pub cuts: u64,
+}
+
+/// Pieces cut at a time, in parallel.
+const BATCH: usize = 8192;
+/// Rounding of one distance, as a share of the largest coordinate.
+const ROUNDING: f64 = 1e-14;
+/// Cuts at the borders of nearest triangles come no nearer to an end than this.
+const MARGIN: f64 = 0.03;
+/// Pieces deeper than this are cut in halves, so that they shrink surely.
+const MOST_ALIGNED_CUTS: u16 = 12;
+
+/// The largest distance from A to B. `None` where either is empty.
+pub fn directed(
+    a: &Sheet<'_>,
+    b: &Sheet<'_>,
+    settings: &Settings,
+    cancel: &Cancel,
+    progress: &dyn Progress,
+) -> Result<Option<Directed>> {
+    if a.triangles.is_empty() || b.triangles.is_empty() {
+        return Ok(None);
+    }
+    let search = Search { a, b, width: settings.precision / 8.0 };
+    let vertices = search.vertices(cancel)?;
+    let mut best = Best::default();
+    vertices.iter().zip(&a.positions).for_each(|(near, place)| best.offer(*place, near));
+    let wanted = settings.precision * 0.875;
+    let mut open = BinaryHeap::new();
+    let mut settled = 0f64;
+    for chunk in (0..a.triangles.len() as u32).collect::<Vec<_>>().chunks(1 << 18) {
+        cancel.check()?;
+        let pieces: Vec<Piece> = chunk.par_iter().map(|&t| search.whole(t, &vertices)).collect();
+        settled = pieces.iter().filter(|p| p.upper <= best.lower + wanted).map(|p| p.upper).fold(settled, f64::max);
+        open.extend(pieces.into_iter().filter(|p| p.upper > best.lower + wanted));
+    }
+    let mut cuts = 0;
+    while cuts < settings.max_cuts && open.peek().is_some_and(|p| p.upper > best.lower + wanted) {
+        cancel.check()?;
+        let batch: Vec<Piece> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
+        cuts += batch.len() as u64;
+        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece)).collect();
+        for part in parts.iter().flatten() {
+            part.near.iter().zip(&part.places).for_each(|(near, place)| best.offer(*place, near));
+        }
+        for part in parts.into_iter().flatten() {
+            if part.upper > best.lower + wanted { open.push(part) } else { settled = settled.max(part.upper) }
+        }
+        progress.pass("measure", cuts, 0);
+    }
+    let rounding = ROUNDING * search.largest_coordinate();
+    let top = open.peek().map_or(0.0, |p| p.upper);
+    let hi = best.lower.max(settled).max(top) + rounding;
+    Ok(Some(Directed {
+        lo: (best.lower - rounding).max(0.0),
+        hi,
+        at: best.at,
+        of_vertex: vertices.iter().map(|near| near.upper).collect(),
+        cuts,
+    }))
+}
+
+/// The farthest place found.
+#[derive(Default)]
+struct Best {
+    lower: f64,
+    at: [DVec3; 2],
+}
+
+impl Best {
+    fn offer(&mut self, place: DVec3, near: &Near) {
+        if near.lower > self.lower {
+            *self = Self { lower: near.lower, at: [place, near.place] };
+        }
+    }
+}
+
+/// A part of a triangle of A.
+struct Piece {
+    triangle: u32,
+    depth: u16,
+    /// Barycentrics of its corners, their exact places, and what of B is nearest to them.
+    corners: [DVec3; 3],
+    places: [DVec3; 3],
+    near: [Near; 3],
+    /// No place of the piece is farther from B.
+    upper: f64,
+}
+
+struct Search<'s> {
+    a: &'s Sheet<'s>,
+    b: &'s Sheet<'s>,
+    /// Of the bounds of one distance.
+    width: f64,
+}
+
+impl Search<'_> {
+    fn largest_coordinate(&self) -> f64 {
+        let bounds = self.a.bounds().union(self.b.bounds());
+        bounds.low.abs().max(bounds.high.abs()).max_element()
+    }
+
+    fn vertices(&self, cancel: &Cancel) -> Result<Vec<Near>> {
+        let chunk = 1 << 14;
+        let of_chunk = |places: &[DVec3]| -> Result<Vec<Near>> {
+            cancel.check()?;
+            let mut hint = None;
+            Ok(places
+                .iter()
+                .map(|&place| {
+                    let near = self.near(place, hint);
+                    hint = Some(near.triangle);
+                    near
+                })
+                .collect())
+        };
+        let chunks: Vec<Vec<Near>> = self.a.positions.par_chunks(chunk).map(of_chunk).collect::<Result<_>>()?;
+        Ok(chunks.into_iter().flatten().collect())
+    }
+
+    fn near(&self, place: DVec3, hint: Option<u32>) -> Near {
+        self.b.nearest(place, hint, self.width).expect("B has triangles")
+    }
+
+    fn whole(&self, triangle: u32, vertices: &[Near]) -> Piece {
+        let near = self.a.triangles[triangle as usize].map(|v| vertices[v as usize]);
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        self.bounded(Piece { triangle, depth: 0, corners, places: self.a.corners(triangle), near, upper: 0.0 })
+    }
+
+    fn bounded(&self, mut piece: Piece) -> Piece {
+        let own = if piece.depth == 0 {
+            self.a.residual(piece.triangle)
+        } else {
+            self.a.deviation(piece.triangle, piece.corners)
+        };
+        let lipschitz = piece.farthest() + longest_side(&piece.places) * (2.0 / 3.0);
+        let [a, b, c] = piece.near.map(|near| near.triangle);
+        let distinct = [Some(a), (b != a).then_some(b), (c != a && c != b).then_some(c)];
+        let convex = distinct.into_iter().flatten().map(|t| self.to_one_triangle(&piece.places, t));
+        let upper = convex.fold(lipschitz, f64::min);
+        let paired = || self.paired(&piece).unwrap_or(f64::INFINITY);
+        let close = upper <= piece.farthest() + self.width;
+        piece.upper = own + if close { upper } else { upper.min(paired()) };
+        piece
+    }
+
+    fn to_one_triangle(&self, places: &[DVec3; 3], triangle: u32) -> f64 {
+        let other = self.b.corners(triangle);
+        let farthest = places.iter().map(|&p| distance_to_triangle(p, other)).fold(0.0, f64::max);
+        farthest + self.b.residual(triangle)
+    }
+
+    fn paired(&self, piece: &Piece) -> Option<f64> {
+        let deviation = self.b.deviation_between(piece.near.map(|near| (near.triangle, near.at)))?;
+        Some(piece.farthest() + deviation)
+    }
+
+    fn cut(&self, piece: &Piece) -> [Piece; 2] {
+        let (side, share) = self.where_to_cut(piece);
+        let next = (side + 1) % 3;
+        let middle = piece.corners[side].lerp(piece.corners[next], share);
+        let place = self.a.point(piece.triangle, middle);
+        let near = self.near(place, Some(piece.near[side].triangle));
+        [side, next].map(|replaced| {
+            let mut part = Piece { depth: piece.depth + 1, upper: 0.0, ..*piece };
+            part.corners[replaced] = middle;
+            part.places[replaced] = place;
+            part.near[replaced] = near;
+            self.bounded(part)
+        })
+    }
+
+    /// The side to cut and where along it: at the border of the triangle of B nearest to its start, where
+    /// pieces then lie over one triangle each; else the longest in the middle.
+    fn where_to_cut(&self, piece: &Piece) -> (usize, f64) {
+        let longest = longest(&piece.places);
+        if piece.depth > MOST_ALIGNED_CUTS {
+            return (longest, 0.5);
+        }
+        let differs = |k: usize| piece.near[k].triangle != piece.near[(k + 1) % 3].triangle;
+        let border = |k: usize| {
+            let (from, to) = (piece.places[k], piece.places[(k + 1) % 3]);
+            let forward = leaves(from, to, self.b.corners(piece.near[k].triangle));
+            let back = || leaves(to, from, self.b.corners(piece.near[(k + 1) % 3].triangle)).map(|s| 1.0 - s);
+            forward.or_else(back).map(|share| (k, share))
+        };
+        let sides = [longest, (longest + 1) % 3, (longest + 2) % 3];
+        sides.into_iter().filter(|&k| differs(k)).find_map(border).unwrap_or((longest, 0.5))
+    }
+}
+
+impl Piece {
+    /// No corner is farther from B.
+    fn farthest(&self) -> f64 {
+        self.near.iter().map(|near| near.upper).fold(0.0, f64::max)
+    }
+}
+
+/// How far along a segment its foot on a triangle's plane leaves the triangle.
+fn leaves(from: DVec3, to: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
+    let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+    let mut first: Option<f64> = None;
+    for k in 0..3 {
+        let (p, q) = (triangle[k], triangle[(k + 1) % 3]);
+        let inward = normal.cross(q - p);
+        let (d, e) = (inward.dot(from - p), inward.dot(to - p));
+        let share = d / (d - e);
+        if d > 0.0 && e < 0.0 && (MARGIN..=1.0 - MARGIN).contains(&share) && first.is_none_or(|s| share < s) {
+            first = Some(share);
+        }
+    }
+    first
+}
+
+fn longest(places: &[DVec3; 3]) -> usize {
+    let length = |k: usize| places[k].distance_squared(places[(k + 1) % 3]);
+    (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0)
+}
+
+fn longest_side(places: &[DVec3; 3]) -> f64 {
+    let k = longest(places);
+    places[k].distance(places[(k + 1) % 3])
+}
+
+impl PartialEq for Piece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Piece {}
+
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Largest bound first; then by place, so that equal bounds are taken in one order.
+impl Ord for Piece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let corner = |p: &Self| p.corners[0].to_array().map(f64::to_bits);
+        let upper = self.upper.total_cmp(&other.upper);
+        upper.then(other.triangle.cmp(&self.triangle)).then_with(|| corner(self).cmp(&corner(other)))
+    }
+}
+
+/// The distance from A to B over places spread evenly over A, and how its normals differ there.
+pub fn sampled(a: &Sheet<'_>, b: &Sheet<'_>, count: usize, width: f64, cancel: &Cancel) -> Result<Vec<Sampled>> {
+    let area = |t: u32| {
+        let [p, q, r] = a.corners(t);
+        (q - p).cross(r - p).length()
+    };
+    let mut total = 0.0;
+    let areas: Vec<f64> = (0..a.triangles.len() as u32)
+        .map(|t| {
+            total += area(t);
+            total
+        })
+        .collect();
+    let one = |k: usize| -> Result<Option<Sampled>> {
+        if k.is_multiple_of(1024) {
+            cancel.check()?;
+        }
+        let triangle = areas.partition_point(|&sum| sum <= total * (k as f64 + 0.5) / count as f64) as u32;
+        if triangle as usize >= a.triangles.len() {
+            return Ok(None);
+        }
+        let at = spread(k);
+        let near = b.nearest(a.point(triangle, at), None, width);
+        Ok(near.map(|near| {
+            let (own, other) = (a.normal(triangle, at), b.normal(near.triangle, near.at));
+            Sampled { distance: near.upper, normal_deg: own.angle_between(other).to_degrees() }
+        }))
+    };
+    let samples: Vec<Option<Sampled>> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
+    Ok(samples.into_iter().flatten().collect())
+}
+
+/// One of the places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampled {
+    /// World units.
+    pub distance: f64,
+    /// Between shading normals; not a number where either has none.
+    pub normal_deg: f64,
+}
+
+/// Barycentrics spread evenly (R2, Roberts 2018), folded into the triangle.
+fn spread(k: usize) -> DVec3 {
+    let (u, v) = ((k as f64 * 0.754_877_666_246_693).fract(), (k as f64 * 0.569_840_290_998_053).fract());
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    DVec3::new(1.0 - u - v, u, v)
+}

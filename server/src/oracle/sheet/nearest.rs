@@ -1,0 +1,272 @@
+//! How near a sheet comes to a point: exact for meshes; between two bounds, as close as asked, for surfaces.
+
+use std::{cmp::Ordering, collections::BinaryHeap};
+
+use glam::DVec3;
+
+use super::Sheet;
+
+/// The nearest place of a sheet, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    /// The distance is at least this.
+    pub lower: f64,
+    /// Distance to `place`, so the distance is at most this.
+    pub upper: f64,
+    pub place: DVec3,
+    pub triangle: u32,
+    /// Barycentrics in it.
+    pub at: DVec3,
+}
+
+/// Cuts of one search that narrows the bounds of a surface.
+const MOST_CUTS: usize = 4096;
+
+impl Sheet<'_> {
+    /// The place nearest to `point`; `hint` is a triangle that may be near. The bounds differ by at most
+    /// `width`, but for surfaces that jump. `None` of an empty sheet.
+    #[must_use]
+    pub fn nearest(&self, point: DVec3, hint: Option<u32>, width: f64) -> Option<Near> {
+        if self.residual.is_empty() {
+            self.nearest_of_mesh(point, hint)
+        } else {
+            self.nearest_of_surface(point, hint, width)
+        }
+    }
+
+    fn nearest_of_mesh(&self, point: DVec3, hint: Option<u32>) -> Option<Near> {
+        let mut best = hint.map(|t| self.on_triangle(point, t));
+        let limit = best.as_ref().map_or(f64::INFINITY, |b| b.1);
+        self.bvh.nearest(point, limit, |triangle, least| {
+            let found = self.on_triangle(point, triangle);
+            // Ties go to the lowest triangle, so that the order of the search does not show.
+            if found.1 < least || best.as_ref().is_none_or(|b| found.1 == b.1 && triangle < b.0) {
+                best = Some(found);
+            }
+            found.1
+        });
+        let (triangle, square, place, at) = best?;
+        let distance = square.sqrt();
+        Some(Near { lower: distance, upper: distance, place, triangle, at })
+    }
+
+    /// Triangle, squared distance, place and barycentrics.
+    fn on_triangle(&self, point: DVec3, triangle: u32) -> (u32, f64, DVec3, DVec3) {
+        let (place, at) = closest_on_triangle(point, self.corners(triangle));
+        (triangle, place.distance_squared(point), place, at)
+    }
+
+    fn nearest_of_surface(&self, point: DVec3, hint: Option<u32>, width: f64) -> Option<Near> {
+        let mut best: Option<Near> = None;
+        let mut open: BinaryHeap<Piece> = BinaryHeap::new();
+        let mut visit = |triangle: u32, least: f64| {
+            let piece = Piece::whole(self, point, triangle);
+            let upper = piece.distance + piece.residual;
+            if best.as_ref().is_none_or(|b| upper < b.upper) {
+                best = Some(Near { lower: 0.0, upper, place: piece.place, triangle, at: piece.at });
+            }
+            let limit = best.as_ref().map_or(least, |b| b.upper * b.upper);
+            if piece.lower() <= limit.sqrt() {
+                open.push(piece);
+            }
+            limit
+        };
+        let limit = hint.map_or(f64::INFINITY, |t| visit(t, f64::INFINITY));
+        self.bvh.nearest(point, limit, &mut visit);
+        let mut best = best?;
+        self.narrow(point, width, &mut best, open);
+        Some(best)
+    }
+
+    /// Cuts the pieces that may hold the nearest place until the bounds are `width` apart.
+    fn narrow(&self, point: DVec3, width: f64, best: &mut Near, mut open: BinaryHeap<Piece>) {
+        self.settle(point, best);
+        let mut cuts = 0;
+        while let Some(piece) = open.pop() {
+            best.lower = piece.lower().clamp(0.0, best.upper);
+            if best.upper - best.lower <= width || cuts >= MOST_CUTS {
+                return;
+            }
+            cuts += 1;
+            for part in piece.quarters(self, point) {
+                if part.distance < best.upper {
+                    let place = self.point(part.triangle, part.at);
+                    let upper = place.distance(point);
+                    if upper < best.upper {
+                        *best = Near { lower: 0.0, upper, place, triangle: part.triangle, at: part.at };
+                    }
+                }
+                if part.lower() < best.upper {
+                    open.push(part);
+                }
+            }
+        }
+        best.lower = best.upper;
+    }
+
+    /// From a place on a triangle to the one of the surface it stands for.
+    fn settle(&self, point: DVec3, best: &mut Near) {
+        best.place = self.point(best.triangle, best.at);
+        best.upper = best.upper.min(best.place.distance(point));
+    }
+}
+
+/// Part of a triangle of a surface.
+struct Piece {
+    triangle: u32,
+    /// Barycentrics of its corners in the triangle.
+    corners: [DVec3; 3],
+    /// Of the triangle between the surface's places at the corners.
+    distance: f64,
+    residual: f64,
+    place: DVec3,
+    /// Where it is nearest, in barycentrics of the whole triangle.
+    at: DVec3,
+}
+
+impl Piece {
+    fn whole(sheet: &Sheet<'_>, point: DVec3, triangle: u32) -> Self {
+        let (place, at) = closest_on_triangle(point, sheet.corners(triangle));
+        let residual = sheet.residual(triangle);
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        Self { triangle, corners, distance: place.distance(point), residual, place, at }
+    }
+
+    fn quarters(&self, sheet: &Sheet<'_>, point: DVec3) -> [Self; 4] {
+        let [a, b, c] = self.corners;
+        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(|corners| {
+            let places = corners.map(|at| sheet.point(self.triangle, at));
+            let (place, at) = closest_on_triangle(point, places);
+            let residual = sheet.deviation(self.triangle, corners);
+            let at = super::blend(corners, at);
+            Self { triangle: self.triangle, corners, distance: place.distance(point), residual, place, at }
+        })
+    }
+
+    fn lower(&self) -> f64 {
+        (self.distance - self.residual).max(0.0)
+    }
+}
+
+impl PartialEq for Piece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Piece {}
+
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Nearest first from a heap that gives its largest.
+impl Ord for Piece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.lower().total_cmp(&self.lower()).then(other.triangle.cmp(&self.triangle))
+    }
+}
+
+/// The place of a triangle nearest to a point, and its barycentrics (Ericson 2005, 5.1.5).
+pub(crate) fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, DVec3) {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return (a, DVec3::X);
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return (b, DVec3::Y);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
+        let t = d1 / (d1 - d3);
+        return (a + ab * t, DVec3::new(1.0 - t, t, 0.0));
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return (c, DVec3::Z);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
+        let t = d2 / (d2 - d6);
+        return (a + ac * t, DVec3::new(1.0 - t, 0.0, t));
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (e, f) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && e >= 0.0 && f >= 0.0 && e + f > 0.0 {
+        let t = e / (e + f);
+        return (b + (c - b) * t, DVec3::new(0.0, 1.0 - t, t));
+    }
+    let sum = va + vb + vc;
+    if sum <= 0.0 {
+        return closest_on_sides(p, [a, b, c]);
+    }
+    let (v, w) = (vb / sum, vc / sum);
+    let inside = a + ab * v + ac * w;
+    // The inner formula loses its digits on slivers, whose sides do not.
+    let sides = closest_on_sides(p, [a, b, c]);
+    if sides.0.distance_squared(p) < inside.distance_squared(p) {
+        sides
+    } else {
+        (inside, DVec3::new(1.0 - v - w, v, w))
+    }
+}
+
+fn closest_on_sides(p: DVec3, corners: [DVec3; 3]) -> (DVec3, DVec3) {
+    let side = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let length = (b - a).length_squared();
+        let t = if length > 0.0 { ((p - a).dot(b - a) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let mut at = DVec3::ZERO;
+        at[k] = 1.0 - t;
+        at[(k + 1) % 3] += t;
+        (a + (b - a) * t, at)
+    };
+    let sides = [side(0), side(1), side(2)];
+    let nearer = |x: &(DVec3, DVec3), y: &(DVec3, DVec3)| x.0.distance_squared(p).total_cmp(&y.0.distance_squared(p));
+    sides.into_iter().min_by(nearer).unwrap_or(side(0))
+}
+
+pub(crate) fn distance_to_triangle(p: DVec3, triangle: [DVec3; 3]) -> f64 {
+    closest_on_triangle(p, triangle).0.distance(p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(k: u32) -> f64 {
+        f64::from(k.wrapping_mul(0x9E37_79B1) ^ k.wrapping_mul(0x85EB_CA6B) >> 9) / f64::from(u32::MAX)
+    }
+
+    fn point(k: u32) -> DVec3 {
+        DVec3::new(noise(3 * k), noise(3 * k + 1), noise(3 * k + 2))
+    }
+
+    #[test]
+    fn no_place_of_a_triangle_is_nearer_than_the_nearest() {
+        for k in 0..2000 {
+            let mut triangle = [point(5 * k), point(5 * k + 1), point(5 * k + 2)];
+            if k % 3 == 0 {
+                triangle[2] = triangle[0].lerp(triangle[1], noise(k)) + 1e-9 * point(k);
+            }
+            let p = 3.0 * point(5 * k + 3) - 1.0;
+            let (place, at) = closest_on_triangle(p, triangle);
+            assert!((at.element_sum() - 1.0).abs() < 1e-9 && at.min_element() >= -1e-12, "{at}");
+            assert!(super::super::blend(triangle, at).distance(place) < 1e-7);
+            for i in 0..=30 {
+                for j in 0..=30 - i {
+                    let b = DVec3::new(f64::from(30 - i - j), f64::from(i), f64::from(j)) / 30.0;
+                    let other = super::super::blend(triangle, b);
+                    assert!(place.distance(p) <= other.distance(p) + 1e-12, "{triangle:?} {p}");
+                }
+            }
+        }
+    }
+}
