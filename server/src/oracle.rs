@@ -5,6 +5,8 @@
 //! |---|---|
 //! | `field.rs` | a map as the bilinear function it stands for |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
+//! | `metrics.rs` | how far two images are apart |
 
 pub mod bvh;
 pub mod field;
+pub mod metrics;
