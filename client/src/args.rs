@@ -24,6 +24,7 @@ Examples:
   displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.png
   displace describe wall.glb                                        what a mesh holds
+  displace compare before.png after.png                             how far two images are apart
   DISPLACE_SERVER=http://farm:7878 displace status                  use a server elsewhere
 
 Without --server the service runs inside this command.
@@ -76,6 +77,8 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Say what a mesh holds, and what is wrong with it
     Describe(DescribeArgs),
+    /// Say how far two images are apart: FLIP, RMSE, SSIM
+    Compare(CompareArgs),
     /// Put, get, list and remove stored assets
     #[command(subcommand)]
     Assets(AssetsCommand),
@@ -194,6 +197,28 @@ pub(crate) struct DescribeArgs {
     /// Mesh: .glb, .gltf, .obj or .ply
     #[arg(value_name = "MESH")]
     pub(crate) mesh: PathBuf,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  displace compare reference.png other.png
+  displace compare reference.png other.png -o difference.png --json | jq .flip_mean
+  displace compare a.exr b.exr          of renders with --aov depth,position also outlines and places
+
+FLIP is taken at 67 pixels per degree; RMSE is of linear light; SSIM is of luma.";
+
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_EXAMPLES)]
+pub(crate) struct CompareArgs {
+    /// The reference: .png or .exr
+    #[arg(value_name = "A")]
+    pub(crate) a: PathBuf,
+    /// What is judged, of the same size: .png or .exr
+    #[arg(value_name = "B")]
+    pub(crate) b: PathBuf,
+    /// Image of the differences to write: FLIP of every pixel, from black, none, over violet and orange to pale yellow
+    #[arg(short, long, value_name = "OUT.png")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]

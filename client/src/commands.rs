@@ -1,7 +1,9 @@
 //! One file per command.
 
+mod answer;
 mod apply;
 mod assets;
+mod compare;
 mod completions;
 mod demo;
 mod describe;
@@ -50,6 +52,7 @@ pub(crate) async fn run(session: &Session, cli: Cli, matches: &ArgMatches, termi
         Command::Demo(args) => demo::run(session, &args, terminal).await,
         Command::Apply(args) => apply::run(session, &args, matches, terminal).await,
         Command::Render(args) => render::run(session, &args, matches, terminal).await,
+        Command::Compare(args) => compare::run(session, &args, terminal).await,
         Command::Describe(args) => describe::run(session, &args, terminal).await,
         Command::Assets(command) => assets::run(session, &command, terminal).await,
         Command::Methods => methods::run(session, terminal).await,

@@ -4,7 +4,7 @@
 use displace_proto::{
     rpc,
     v1::{
-        DisplaceRequest, JobResult, JobUpdate, RenderRequest, displacement_client::DisplacementClient,
+        CompareRequest, DisplaceRequest, JobResult, JobUpdate, RenderRequest, displacement_client::DisplacementClient,
         job_update::Update,
     },
 };
@@ -26,17 +26,19 @@ const UPLOADS: u32 = 3;
 pub(crate) enum Job {
     Displace(DisplaceRequest),
     Render(RenderRequest),
+    Compare(CompareRequest),
 }
 
 impl Job {
     /// The same job for a caller who waits no longer.
     fn given_up(mut self) -> Self {
-        let surface = match &mut self {
-            Self::Displace(request) => Some(request),
-            Self::Render(request) => request.surface.as_mut(),
+        let how = match &mut self {
+            Self::Displace(request) => Some((&mut request.linger_secs, &mut request.fresh)),
+            Self::Render(request) => request.surface.as_mut().map(|s| (&mut s.linger_secs, &mut s.fresh)),
+            Self::Compare(request) => Some((&mut request.linger_secs, &mut request.fresh)),
         };
-        if let Some(surface) = surface {
-            (surface.linger_secs, surface.fresh) = (Some(0), false);
+        if let Some((linger_secs, fresh)) = how {
+            (*linger_secs, *fresh) = (Some(0), false);
         }
         self
     }
@@ -45,6 +47,7 @@ impl Job {
         match self.clone() {
             Self::Displace(message) => client.displace(request(message, STREAM_DEADLINE)).await,
             Self::Render(message) => client.render(request(message, STREAM_DEADLINE)).await,
+            Self::Compare(message) => client.compare(request(message, STREAM_DEADLINE)).await,
         }
     }
 }

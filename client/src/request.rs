@@ -34,6 +34,11 @@ impl Parcel {
         Ok(v1::MeshSource { asset, resources })
     }
 
+    /// Adds a file as it is. Blocks.
+    pub(crate) fn file(&mut self, path: &Path) -> Result<v1::Digest> {
+        Ok(self.add(Blob::of_file(path)?))
+    }
+
     fn add(&mut self, blob: Blob) -> v1::Digest {
         let digest = blob.digest.clone();
         self.blobs.push(blob);

@@ -10,12 +10,14 @@
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
+//! | `metrics.rs` | how far two images are apart |
 
 pub mod bvh;
 pub mod dicing;
 pub mod field;
 pub mod hausdorff;
 pub mod interval_jet;
+pub mod metrics;
 pub mod parameter;
 pub mod sheet;
 pub mod surface;

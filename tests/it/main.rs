@@ -1,5 +1,6 @@
 //! The one integration binary: one module per topic, all over the harness in `tests/src`.
 mod cli;
+mod compare;
 mod corpus;
 mod determinism;
 mod gltf;

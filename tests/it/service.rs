@@ -30,10 +30,10 @@ use displace_server::{
         mesh::Mesh,
         plan::SurfacePlan,
         report::{Estimate, PassTime, Report, Warning},
-        request::{DisplaceRequest, EstimateRequest, RenderRequest, SourceRequest},
+        request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest, SourceRequest},
         surface::Surface,
     },
-    jobs::{AssetReader, JobLimits, Output, Recipes, Work, WorkContext, WorkOutput},
+    jobs::{AssetReader, JobLimits, Output, Recipes, StandardRecipes, Work, WorkContext, WorkOutput},
     render::{Executor, JobContext},
     service::{InProcess, Parts, Service},
 };
@@ -193,6 +193,10 @@ impl Recipes for TestRecipes {
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work> {
         self.displace(request.surface)
+    }
+
+    fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
+        StandardRecipes.compare(request)
     }
 
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, _: &[(String, Digest)]) -> Result<Description> {

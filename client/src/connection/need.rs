@@ -15,7 +15,11 @@ impl Need {
             Command::Demo(_) | Command::Apply(_) | Command::Render(_) | Command::Status | Command::Health(_) => {
                 Self::Device
             }
-            Command::Describe(_) | Command::Assets(_) | Command::Methods | Command::Completions(_) => Self::StoreOnly,
+            Command::Compare(_)
+            | Command::Describe(_)
+            | Command::Assets(_)
+            | Command::Methods
+            | Command::Completions(_) => Self::StoreOnly,
         }
     }
 }

@@ -3,11 +3,16 @@
 use std::io::Cursor;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text,
+    WritableImage,
 };
 use png::{BitDepth, ColorType, SrgbRenderingIntent};
 
 use super::{Error, Result, image::ImageSet, request::ImageFormat};
+
+/// OpenEXR attribute (m44f) that holds the camera: 16 floats, the columns of the matrix that takes world space to
+/// clip space one after the other. OpenEXR's own programs, which write vectors as rows, read it as it is meant.
+pub const CLIP_FROM_WORLD: &str = "displace.clip_from_world";
 
 /// One file of a render.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +40,11 @@ pub fn srgb_from_linear(linear: f32) -> u8 {
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     // A NaN becomes 0.
     (encoded * 255.0 + 0.5) as u8
+}
+
+/// A picture of interleaved 8-bit sRGB, as PNG.
+pub fn encode_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
+    Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, true, &[], rgb)
 }
 
 fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
@@ -197,6 +207,9 @@ fn encode_exr(images: &ImageSet) -> Result<Vec<u8>> {
     }
     let mut attributes = LayerAttributes::named("displace");
     attributes.software_name = Some(Text::from("displace"));
+    if let Some(matrix) = images.clip_from_world {
+        attributes.other.insert(Text::from(CLIP_FROM_WORLD), AttributeValue::Matrix4x4(matrix));
+    }
     let size = (images.width as usize, images.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
@@ -219,6 +232,7 @@ mod tests {
             position: Some(vec![[1.0, 2.0, 3.0], [0.0; 3]]),
             uv: Some(vec![[0.25, 1.75], [0.0, 0.0]]),
             triangle: Some(vec![7, u32::MAX]),
+            clip_from_world: Some(std::array::from_fn(|k| k as f32)),
         }
     }
 
@@ -261,6 +275,8 @@ mod tests {
         assert_eq!(*channel("Z"), FlatSamples::F32(vec![1.5, f32::INFINITY]));
         assert_eq!(*channel("B"), FlatSamples::F32(vec![1.0, 2.0]));
         assert_eq!(channels.len(), 14);
+        let matrix = image.layer_data[0].attributes.other.get(&Text::from(CLIP_FROM_WORLD));
+        assert_eq!(matrix, Some(&AttributeValue::Matrix4x4(std::array::from_fn(|k| k as f32))));
     }
 
     #[test]

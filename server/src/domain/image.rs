@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DMat4;
 use serde::{Deserialize, Serialize};
 
 use super::{Error, Result, detail::Wrap, request::Aov};
@@ -162,6 +163,16 @@ pub struct RenderCamera {
     pub eye_world: [f32; 3],
 }
 
+impl RenderCamera {
+    /// Column-major.
+    #[must_use]
+    pub fn clip_from_world(&self) -> [f32; 16] {
+        let [clip_from_view, view_from_world] =
+            [self.clip_from_view, self.view_from_world].map(|m| DMat4::from_cols_array(&m.map(f64::from)));
+        (clip_from_view * view_from_world).as_mat4().to_cols_array()
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderLight {
     /// Unit vector towards the light.
@@ -193,4 +204,6 @@ pub struct ImageSet {
     pub uv: Option<Vec<[f32; 2]>>,
     /// Triangle number over all instances in order; `u32::MAX` where nothing is.
     pub triangle: Option<Vec<u32>>,
+    /// Of the camera, column-major.
+    pub clip_from_world: Option<[f32; 16]>,
 }

@@ -13,6 +13,9 @@ pub struct Report {
     /// Result triangles that face against their base triangle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flipped: Option<u64>,
+    /// What `compare` found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -26,6 +29,27 @@ pub struct Seams {
     pub gap_max: f64,
     /// Largest disagreement of the two sides of a seam before reconciling, local units.
     pub mismatch_max: f64,
+}
+
+/// How far two images are apart (`oracle::metrics`).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// FLIP at 67 pixels per degree: 0, the same, to 1.
+    pub flip_mean: f64,
+    pub flip_p99: f64,
+    /// Root mean square error in linear light.
+    pub rmse_linear: f64,
+    /// Structural similarity of luma, 1 is the same; absent for images of less than 11 x 11 pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ssim: Option<f64>,
+    /// Pixels covered in one image alone; absent where an image does not tell what it covers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silhouette_xor_px: Option<u64>,
+    /// World distance of the places shown at the same pixel, as many pixels as it is long when seen face-on: the
+    /// 99th percentile. Absent where an image lacks positions or coverage, or the first its camera, or where no pixel
+    /// is covered in both.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hit_error_px: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -67,6 +67,13 @@ pub struct RenderRequest {
     pub format: ImageFormat,
 }
 
+/// Two images to be compared; `a` is the reference.
+#[derive(Clone, Debug, Serialize)]
+pub struct CompareRequest {
+    pub a: Digest,
+    pub b: Digest,
+}
+
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Geometry {
     /// Uniform subdivision: each triangle becomes 4^level. 0 to 12.

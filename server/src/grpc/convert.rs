@@ -9,7 +9,7 @@ mod update;
 mod view;
 
 pub(super) use description::to_description;
-pub(super) use request::{displace, estimate, mesh_source, render};
+pub(super) use request::{compare, displace, estimate, mesh_source, render};
 pub(super) use update::{to_estimate, to_update};
 pub(super) use view::MAX_VIEWS;
 

@@ -30,9 +30,15 @@ impl DisplacementService {
     }
 
     /// Joins or starts the job, and passes on what it tells.
-    async fn updates(&self, request: EstimateRequest, how: Submission, store: TenantStore) -> Result<Updates> {
-        self.require(&request.surface().assets(), &store).await?;
-        let listener = self.0.jobs.submit(self.work(request), store, how).await?;
+    async fn updates(
+        &self,
+        assets: &[Digest],
+        work: Box<dyn Work>,
+        how: Submission,
+        store: TenantStore,
+    ) -> Result<Updates> {
+        self.require(assets, &store).await?;
+        let listener = self.0.jobs.submit(work, store, how).await?;
         Ok(stream::unfold(listener, next_update).boxed())
     }
 
@@ -92,6 +98,7 @@ impl DisplacementService {
 impl Displacement for DisplacementService {
     type DisplaceStream = Updates;
     type RenderStream = Updates;
+    type CompareStream = Updates;
 
     async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<Response<v1::DescribeResponse>, Status> {
         answer(self.describe(request).await)
@@ -104,9 +111,9 @@ impl Displacement for DisplacementService {
     async fn displace(&self, request: Request<v1::DisplaceRequest>) -> Result<Response<Updates>, Status> {
         let updates = async {
             let store = self.store(request.metadata())?;
-            let how = how(request.get_ref());
+            let how = how_of_surface(request.get_ref());
             let request = convert::displace("", request.into_inner())?;
-            self.updates(EstimateRequest::Displace(request), how, store).await
+            self.updates(&request.assets(), self.0.recipes.displace(request), how, store).await
         };
         answer(updates.await)
     }
@@ -114,9 +121,20 @@ impl Displacement for DisplacementService {
     async fn render(&self, request: Request<v1::RenderRequest>) -> Result<Response<Updates>, Status> {
         let updates = async {
             let store = self.store(request.metadata())?;
-            let how = request.get_ref().surface.as_ref().map(how).unwrap_or_default();
+            let how = request.get_ref().surface.as_ref().map(how_of_surface).unwrap_or_default();
             let request = convert::render("", request.into_inner(), &self.0.config)?;
-            self.updates(EstimateRequest::Render(request), how, store).await
+            self.updates(&request.surface.assets(), self.0.recipes.render(request), how, store).await
+        };
+        answer(updates.await)
+    }
+
+    async fn compare(&self, request: Request<v1::CompareRequest>) -> Result<Response<Updates>, Status> {
+        let updates = async {
+            let store = self.store(request.metadata())?;
+            let message = request.get_ref();
+            let request = convert::compare(message)?;
+            let how = how(message.fresh, message.linger_secs);
+            self.updates(&[request.a, request.b], self.0.recipes.compare(request), how, store).await
         };
         answer(updates.await)
     }
@@ -127,9 +145,12 @@ async fn next_update(mut listener: Listener) -> Option<(Result<v1::JobUpdate, St
     Some((Ok(convert::to_update(&event)), listener))
 }
 
-fn how(request: &v1::DisplaceRequest) -> Submission {
-    let linger = request.linger_secs.map(|secs| Duration::from_secs(secs.into()));
-    Submission { fresh: request.fresh, linger }
+fn how_of_surface(request: &v1::DisplaceRequest) -> Submission {
+    how(request.fresh, request.linger_secs)
+}
+
+fn how(fresh: bool, linger_secs: Option<u32>) -> Submission {
+    Submission { fresh, linger: linger_secs.map(|secs| Duration::from_secs(secs.into())) }
 }
 
 fn answer<T>(result: Result<T>) -> Result<Response<T>, Status> {

@@ -1,14 +1,14 @@
 //! The jobs this version has.
 
-use super::{AssetReader, JobLimits, Recipes, Work, displace, render};
+use super::{AssetReader, JobLimits, Recipes, Work, compare, displace, render};
 use crate::domain::{
     Digest, Result,
     describe::Description,
     report::Estimate,
-    request::{DisplaceRequest, EstimateRequest, RenderRequest},
+    request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest},
 };
 
-/// Requests become `displace` and `render` jobs.
+/// Requests become `displace`, `render` and `compare` jobs.
 pub struct StandardRecipes;
 
 impl Recipes for StandardRecipes {
@@ -18,6 +18,10 @@ impl Recipes for StandardRecipes {
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work> {
         Box::new(render::RenderWork { request })
+    }
+
+    fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
+        Box::new(compare::CompareWork { request })
     }
 
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description> {

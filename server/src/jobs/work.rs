@@ -8,7 +8,7 @@ use crate::{
         cancel::{Cancel, Progress},
         describe::Description,
         report::{Estimate, Report},
-        request::{DisplaceRequest, EstimateRequest, RenderRequest},
+        request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest},
     },
     render::{Executor, JobContext},
     store::TenantStore,
@@ -16,10 +16,10 @@ use crate::{
 
 /// One piece of work: a pure function of what `canonical` returns and of the assets that names.
 pub trait Work: Send + 'static {
-    /// Word for logs and statistics: `displace`, `render`.
+    /// Word for logs and statistics: `displace`, `render`, `compare`.
     fn kind(&self) -> &'static str;
 
-    /// Method in lower case, for statistics.
+    /// Method in lower case, for statistics; what is worked on where a kind has none.
     fn method(&self) -> &'static str;
 
     /// The request with defaults applied and digests in it, in one fixed form: equal requests give equal bytes.
@@ -87,6 +87,8 @@ pub trait Recipes: Send + Sync + 'static {
     fn displace(&self, request: DisplaceRequest) -> Box<dyn Work>;
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work>;
+
+    fn compare(&self, request: CompareRequest) -> Box<dyn Work>;
 
     /// `resources`: external files of a .gltf by URI.
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description>;

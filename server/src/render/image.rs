@@ -41,7 +41,7 @@ pub fn render(
     let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
     run.record(|recorder| textures.record_mips(recorder, &streams.texels))?;
     let work = WorkStreams::new(device, plan, &scene.aovs, &tables)?;
-    let mut images = empty_images(plan, &scene.aovs);
+    let mut images = empty_images(plan, scene);
     let slabs = slabs(plan);
     for (done, slab) in slabs.iter().enumerate() {
         visibility::fill(&mut run, &tables, &streams, &work, plan, *slab, done == 0)?;
@@ -92,9 +92,9 @@ fn check_plan(plan: &ImagePlan) -> Result<()> {
     Err(Error::internal(format!("{plan:?} is not a plan of this version")))
 }
 
-pub(crate) fn empty_images(plan: &ImagePlan, aovs: &[Aov]) -> ImageSet {
+pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
     let pixels = plan.width as usize * plan.height as usize;
-    let wants = |aov: Aov| aovs.contains(&aov);
+    let wants = |aov: Aov| scene.aovs.contains(&aov);
     ImageSet {
         width: plan.width,
         height: plan.height,
@@ -104,6 +104,7 @@ pub(crate) fn empty_images(plan: &ImagePlan, aovs: &[Aov]) -> ImageSet {
         position: wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]),
         uv: wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]),
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
+        clip_from_world: Some(scene.camera.clip_from_world()),
     }
 }
 

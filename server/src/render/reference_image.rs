@@ -50,7 +50,7 @@ pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
             Ok(oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]))
         })
         .collect::<Result<_>>()?;
-    let mut images = empty_images(plan, &scene.aovs);
+    let mut images = empty_images(plan, scene);
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     job.progress.pass("image", 1, 1);
     let ms = start.elapsed().as_secs_f64() * 1e3;

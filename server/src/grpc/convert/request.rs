@@ -9,7 +9,7 @@ use crate::{
     config::Config,
     domain::{
         Digest, Error, Result,
-        request::{Aov, DisplaceRequest, EstimateRequest, ImageFormat, Method, RenderRequest},
+        request::{Aov, CompareRequest, DisplaceRequest, EstimateRequest, ImageFormat, Method, RenderRequest},
     },
 };
 
@@ -56,6 +56,10 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
         v1::ImageFormat::Exr => ImageFormat::Exr,
     };
     Ok(RenderRequest { surface, camera: view.camera, width: view.width, height: view.height, look, aovs, format })
+}
+
+pub(crate) fn compare(request: &v1::CompareRequest) -> Result<CompareRequest> {
+    Ok(CompareRequest { a: digest("a", request.a.as_ref())?, b: digest("b", request.b.as_ref())? })
 }
 
 pub(crate) fn estimate(request: v1::EstimateRequest, config: &Config) -> Result<EstimateRequest> {

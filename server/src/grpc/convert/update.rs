@@ -4,7 +4,7 @@ use displace_proto::v1::{self, job_update::Update};
 
 use super::to_digest;
 use crate::{
-    domain::report::{Estimate, PassTime, Report, Warning},
+    domain::report::{Comparison, Estimate, PassTime, Report, Warning},
     grpc::status::rpc_status,
     jobs::{Finished, JobEvent},
 };
@@ -62,6 +62,18 @@ fn to_report(report: &Report) -> v1::Report {
         total_ms: report.total_ms,
         device: report.device.clone(),
         cached: report.cached,
+        comparison: report.comparison.as_ref().map(to_comparison),
+    }
+}
+
+fn to_comparison(comparison: &Comparison) -> v1::Comparison {
+    v1::Comparison {
+        flip_mean: comparison.flip_mean,
+        flip_p99: comparison.flip_p99,
+        rmse_linear: comparison.rmse_linear,
+        ssim: comparison.ssim,
+        silhouette_xor_px: comparison.silhouette_xor_px,
+        hit_error_px: comparison.hit_error_px,
     }
 }
 
