@@ -37,6 +37,20 @@ impl Field {
         })
     }
 
+    /// Per axis (across, down): after how many texels the map repeats; `None` where it is clamped. A repeating
+    /// node-sampled map may show another texel at either end of a period in [0, 1] than in the next ones.
+    #[must_use]
+    pub fn period(&self) -> [Option<u32>; 2] {
+        let [n, last] = [self.size(), self.size().map(|n| (n - 1).max(1))];
+        [0, 1].map(|axis| match (self.map.wrap[axis], self.map.sampling) {
+            (Wrap::Clamp, _) => None,
+            (Wrap::Repeat, Sampling::Center) => Some(n[axis]),
+            (Wrap::Repeat, Sampling::Node) => Some(last[axis]),
+            (Wrap::Mirror, Sampling::Center) => Some(2 * n[axis]),
+            (Wrap::Mirror, Sampling::Node) => Some(2 * last[axis]),
+        })
+    }
+
     /// Texel (x, y) of one channel.
     #[must_use]
     pub fn texel(&self, channel: u32, x: i64, y: i64) -> f64 {
