@@ -123,7 +123,7 @@ impl Search<'_> {
         // The middle tells the cell also where rounding puts an end beside its line.
         let cell = (0.5 * (p + q)).floor();
         let [x, y] = (self.origin + cell).to_array();
-        let patch = Patch::new(self.field.cell(self.channel, x as i64, y as i64));
+        let patch = self.field.patch(self.channel, x as i64, y as i64);
         let (start, end) = (patch.value(p - cell) - plane[0], patch.value(q - cell) - plane[1]);
         let bend = patch.twist * (q.x - p.x) * (q.y - p.y);
         let slope = end - start - bend;
@@ -174,23 +174,6 @@ impl Search<'_> {
             let value = self.field.texel(self.channel, origin_x + x, origin_y + y) - mixed(from.plane, to.plane, s);
             self.offer(value, || from.barycentrics.lerp(to.barycentrics, s));
         }
-    }
-}
-
-/// The bilinear function of one cell, from its corner (0, 0).
-struct Patch {
-    at_corner: f64,
-    slope: DVec2,
-    twist: f64,
-}
-
-impl Patch {
-    fn new([a, b, c, d]: [f64; 4]) -> Self {
-        Self { at_corner: a, slope: DVec2::new(b - a, c - a), twist: (a - b) + (d - c) }
-    }
-
-    fn value(&self, p: DVec2) -> f64 {
-        self.at_corner + self.slope.dot(p) + self.twist * p.x * p.y
     }
 }
 
