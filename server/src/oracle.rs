@@ -11,13 +11,18 @@
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
 //! | `metrics.rs` | how far two images are apart |
+//! | `triangle_error.rs` | how far at most a flat triangle is from the map it stands for |
+//! | `height_field.rs` | where a ray meets a map first |
 
 pub mod bvh;
 pub mod dicing;
 pub mod field;
 pub mod hausdorff;
+pub mod height_field;
 pub mod interval_jet;
 pub mod metrics;
 pub mod parameter;
 pub mod sheet;
 pub mod surface;
+mod test_maps;
+pub mod triangle_error;

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::domain::detail::{Map, Sampling, Wrap};
 
 /// A bilinear function of texel space, in which texel (i, j) lies at (i, j). Cell (i, j) lies between texels
@@ -41,6 +43,20 @@ impl Field {
         })
     }
 
+    /// Per axis (across, down): after how many texels the map repeats; `None` where it is clamped. A repeating
+    /// node-sampled map may show another texel at either end of a period in [0, 1] than in the next ones.
+    #[must_use]
+    pub fn period(&self) -> [Option<u32>; 2] {
+        let [n, last] = [self.size(), self.size().map(|n| (n - 1).max(1))];
+        [0, 1].map(|axis| match (self.map.wrap[axis], self.map.sampling) {
+            (Wrap::Clamp, _) => None,
+            (Wrap::Repeat, Sampling::Center) => Some(n[axis]),
+            (Wrap::Repeat, Sampling::Node) => Some(last[axis]),
+            (Wrap::Mirror, Sampling::Center) => Some(2 * n[axis]),
+            (Wrap::Mirror, Sampling::Node) => Some(2 * last[axis]),
+        })
+    }
+
     /// Texel (x, y) of one channel.
     #[must_use]
     pub fn texel(&self, channel: u32, x: i64, y: i64) -> f64 {
@@ -62,6 +78,13 @@ impl Field {
         self.ranges[channel as usize]
     }
 
+    /// The function over cell (x, y).
+    #[must_use]
+    pub fn patch(&self, channel: u32, x: i64, y: i64) -> Patch {
+        let [a, b, c, d] = self.cell(channel, x, y);
+        Patch { at_corner: a, slope: DVec2::new(b - a, c - a), twist: (a - b) + (d - c) }
+    }
+
     /// The value at texel-space (x, y).
     #[must_use]
     pub fn value(&self, channel: u32, x: f64, y: f64) -> f64 {
@@ -72,15 +95,37 @@ impl Field {
     }
 }
 
+/// The bilinear function of one cell: at_corner + slope · p + twist · p.x · p.y, p from the cell's corner (0, 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    pub at_corner: f64,
+    pub slope: DVec2,
+    pub twist: f64,
+}
+
+impl Patch {
+    #[must_use]
+    pub fn value(&self, p: DVec2) -> f64 {
+        self.at_corner + self.slope.dot(p) + self.twist * p.x * p.y
+    }
+
+    #[must_use]
+    pub fn gradient(&self, p: DVec2) -> DVec2 {
+        self.slope + self.twist * DVec2::new(p.y, p.x)
+    }
+}
+
 /// Which of n texels lattice point i shows.
 fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
     let n = i64::from(n);
     let last = n - 1;
+    // Repeating nodes: the last texel lies on the first of the next period; both are kept, [0, 1] is read as it is.
+    if (0..n).contains(&i) {
+        return i;
+    }
     match (wrap, sampling) {
         (Wrap::Clamp, _) => i.clamp(0, last),
         (Wrap::Repeat, Sampling::Center) => i.rem_euclid(n),
-        // The last texel lies on the first of the next period: both are kept, [0, 1] is read as it is.
-        (Wrap::Repeat, Sampling::Node) if (0..=last).contains(&i) => i,
         (Wrap::Repeat, Sampling::Node) => i.rem_euclid(last.max(1)),
         (Wrap::Mirror, Sampling::Center) => {
             let i = i.rem_euclid(2 * n);
@@ -126,6 +171,8 @@ mod tests {
         let field = Field::new(&Arc::new(map));
         assert_eq!(field.value(0, 0.5, 0.5), 2.5);
         assert_eq!(field.value(0, 0.25, 1.0), 3.25);
+        let patch = field.patch(0, 0, 0);
+        assert_eq!((patch.value(DVec2::splat(0.5)), patch.gradient(DVec2::X)), (2.5, DVec2::new(1.0, 6.0)));
         assert_eq!(field.texel_from_uv(), [[2.0, -0.5]; 2]);
     }
 }
