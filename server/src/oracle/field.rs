@@ -63,7 +63,7 @@ impl Field {
 }
 
 /// Which of n texels lattice point i shows.
-fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
+pub(super) fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
     let n = i64::from(n);
     let last = n - 1;
     match (wrap, sampling) {
