@@ -3,6 +3,8 @@ mod cli;
 mod corpus;
 mod determinism;
 mod gltf;
+mod oracle_image;
+mod oracle_rays;
 mod passes;
 mod raster;
 mod service;

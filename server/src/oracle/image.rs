@@ -139,14 +139,12 @@ fn set<T>(image: &mut Option<Vec<T>>, i: usize, value: T) {
 fn empty_images(exposure: &Exposure, aovs: &[Aov]) -> ImageSet {
     let pixels = exposure.width as usize * exposure.height as usize;
     let wants = |aov: Aov| aovs.contains(&aov);
-    ImageSet {
-        width: exposure.width,
-        height: exposure.height,
-        color: vec![[0.0; 4]; pixels],
-        depth: wants(Aov::Depth).then(|| vec![f32::INFINITY; pixels]),
-        normal: wants(Aov::Normal).then(|| vec![[0.0; 3]; pixels]),
-        position: wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]),
-        uv: wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]),
-        triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
-    }
+    let color = vec![[0.0; 4]; pixels];
+    let mut images = ImageSet { width: exposure.width, height: exposure.height, color, ..ImageSet::default() };
+    images.depth = wants(Aov::Depth).then(|| vec![f32::INFINITY; pixels]);
+    images.normal = wants(Aov::Normal).then(|| vec![[0.0; 3]; pixels]);
+    images.position = wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]);
+    images.uv = wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]);
+    images.triangle = wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]);
+    images
 }
