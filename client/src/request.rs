@@ -7,7 +7,7 @@ use displace_proto::v1::{self, layer, view};
 use crate::{
     args::{
         AovArg, CameraArgs, ChannelArg, GeometryArgs, LookArgs, MethodArg, NormalsArg, PresetArg, SamplingArg,
-        SeamsArg, SpaceArg, WrapArg, values::Swizzle,
+        SeamsArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -202,8 +202,13 @@ pub(crate) fn view(args: &CameraArgs) -> v1::View {
     v1::View { camera, width: args.size.width, height: args.size.height }
 }
 
-pub(crate) fn lighting(look: &LookArgs) -> v1::Lighting {
-    v1::Lighting { direction: look.light.map(|d| d.to_vec()).unwrap_or_default(), ambient: look.ambient }
+pub(crate) fn lighting(look: &LookArgs, shadows: ShadowsArg) -> v1::Lighting {
+    let shadows = match shadows {
+        ShadowsArg::None => v1::Shadows::None,
+        ShadowsArg::Ray => v1::Shadows::Ray,
+    };
+    let direction = look.light.map(|d| d.to_vec()).unwrap_or_default();
+    v1::Lighting { direction, ambient: look.ambient, shadows: shadows.into() }
 }
 
 pub(crate) fn aov(aov: AovArg) -> v1::Aov {

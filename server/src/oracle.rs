@@ -13,15 +13,19 @@
 //! | `metrics.rs` | how far two images are apart |
 //! | `triangle_error.rs` | how far at most a flat triangle is from the map it stands for |
 //! | `height_field.rs` | where a ray meets a map first |
+//! | `ray.rs` | what a ray hits first, without leaks |
+//! | `image.rs` | what a scene of triangles looks like |
 
 pub mod bvh;
 pub mod dicing;
 pub mod field;
 pub mod hausdorff;
 pub mod height_field;
+pub mod image;
 pub mod interval_jet;
 pub mod metrics;
 pub mod parameter;
+pub mod ray;
 pub mod sheet;
 pub mod surface;
 mod test_maps;

@@ -71,6 +71,11 @@ pub trait Executor: Send + Sync {
         detail_of_primitive: &[Option<Arc<Detail>>],
     ) -> Result<(Surface, Vec<PassTime>)>;
 
+    /// Whether `render` takes plans with rays.
+    fn traces_rays(&self) -> bool {
+        false
+    }
+
     /// Renders an image of displaced (or plain) meshes.
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)>;
 }

@@ -5,6 +5,8 @@ mod corpus;
 mod determinism;
 mod gltf;
 mod oracle;
+mod oracle_image;
+mod oracle_rays;
 mod passes;
 mod raster;
 mod service;

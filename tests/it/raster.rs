@@ -2,7 +2,7 @@
 //! what must hold whatever the scene.
 
 mod passes;
-mod scenes;
+pub(crate) mod scenes;
 
 use std::{collections::HashSet, sync::OnceLock};
 
@@ -39,11 +39,11 @@ fn render_plan(scene: &RenderScene, plan: &ImagePlan) -> ImageSet {
     image::render(device(), &job, plan, scene).expect("renders").0
 }
 
-fn render(scene: &RenderScene, width: u32, height: u32) -> ImageSet {
+pub(crate) fn render(scene: &RenderScene, width: u32, height: u32) -> ImageSet {
     render_plan(scene, &plan(scene, width, height))
 }
 
-fn reference(scene: &RenderScene, width: u32, height: u32) -> ImageSet {
+pub(crate) fn reference(scene: &RenderScene, width: u32, height: u32) -> ImageSet {
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
     reference_image::render(&job, &plan(scene, width, height), scene).expect("renders").0
 }
@@ -164,7 +164,7 @@ fn a_closed_mesh_around_the_camera_covers_every_sample() {
 }
 
 /// A lit torus with a map, seen from outside, on a ground plane that cuts it.
-fn still_life(triangle_order: Option<u64>) -> RenderScene {
+pub(crate) fn still_life(triangle_order: Option<u64>) -> RenderScene {
     let mut builder = Builder::lit(view_camera([1.5, 1.2, 2.0], [0.0, 0.0, 0.0], 45.0, 160, 120));
     for mesh in [meshes::torus(48, 24), meshes::plane(4)] {
         let mut mesh = mesh;

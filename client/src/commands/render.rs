@@ -41,9 +41,10 @@ pub(super) async fn perform(
     let message = RenderRequest {
         surface: Some(surface),
         views: vec![request::view(&args.camera)],
-        lighting: Some(request::lighting(&args.look)),
+        lighting: Some(request::lighting(&args.look, args.shadows)),
         aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
         format: format.into(),
+        samples: args.supersample.unwrap_or_default(),
     };
     let connection = session.connection().await?;
     let mut result = jobs::run(connection, &Job::Render(message), &parcel.blobs, progress).await?;

@@ -8,7 +8,11 @@ use exr::prelude::{
 };
 use png::{BitDepth, ColorType, SrgbRenderingIntent};
 
-use super::{Error, Result, image::ImageSet, request::ImageFormat};
+use super::{
+    Error, Result,
+    image::{ImageSet, ImageSettings},
+    request::{ImageFormat, Shadows},
+};
 
 /// OpenEXR attribute (m44f) that holds the camera: 16 floats, the columns of the matrix that takes world space to
 /// clip space one after the other. OpenEXR's own programs, which write vectors as rows, read it as it is meant.
@@ -25,12 +29,45 @@ pub struct EncodedImage {
 
 /// The files of a render; the picture comes first.
 pub fn encode(images: &ImageSet, format: ImageFormat) -> Result<Vec<EncodedImage>> {
+    encode_with(images, format, None)
+}
+
+/// As `encode`; an EXR also says how the image was taken, in attributes `displace.*`.
+pub fn encode_with(
+    images: &ImageSet,
+    format: ImageFormat,
+    settings: Option<&ImageSettings>,
+) -> Result<Vec<EncodedImage>> {
     match format {
         ImageFormat::Png => encode_png(images),
         ImageFormat::Exr => {
-            Ok(vec![EncodedImage { name: "color", media_type: "image/x-exr", bytes: encode_exr(images)? }])
+            let bytes = encode_exr(images, settings.map(settings_attributes).unwrap_or_default())?;
+            Ok(vec![EncodedImage { name: "color", media_type: "image/x-exr", bytes }])
         }
     }
+}
+
+fn settings_attributes(settings: &ImageSettings) -> Vec<(&'static str, AttributeValue)> {
+    // The format's texts are of Latin-1.
+    let latin = |text: &str| text.chars().map(|c| if u32::from(c) < 256 { c } else { '?' }).collect::<String>();
+    let text = |text: &str| AttributeValue::Text(Text::from(latin(text).as_str()));
+    let vector = |[x, y, z]: [f32; 3]| AttributeValue::FloatVec3((x, y, z));
+    let shadows = match settings.shadows {
+        Shadows::None => "none",
+        Shadows::Ray => "ray",
+    };
+    vec![
+        ("displace.samples", AttributeValue::I32(settings.samples as i32)),
+        ("displace.filter", text("box")),
+        ("displace.shadows", text(shadows)),
+        ("displace.light_direction", vector(settings.light.direction_world)),
+        ("displace.light_color", vector(settings.light.color)),
+        ("displace.ambient", AttributeValue::F32(settings.light.ambient)),
+        ("displace.background", vector(settings.light.background)),
+        ("displace.device", text(&settings.device)),
+        ("displace.build", text(&settings.build)),
+        ("displace.residual_world", AttributeValue::F64(settings.residual_world)),
+    ]
 }
 
 /// Linear light to the sRGB curve (IEC 61966-2-1), 8 bits.
@@ -182,7 +219,7 @@ fn hashed_color(id: u32) -> [u8; 3] {
 }
 
 /// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V (f32), triangle.id (u32).
-fn encode_exr(images: &ImageSet) -> Result<Vec<u8>> {
+fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Result<Vec<u8>> {
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
     let mut float = |name: &str, values: Vec<f32>| channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
     for (k, name) in ["R", "G", "B", "A"].iter().enumerate() {
@@ -210,6 +247,7 @@ fn encode_exr(images: &ImageSet) -> Result<Vec<u8>> {
     if let Some(matrix) = images.clip_from_world {
         attributes.other.insert(Text::from(CLIP_FROM_WORLD), AttributeValue::Matrix4x4(matrix));
     }
+    attributes.other.extend(settings.into_iter().map(|(name, value)| (Text::from(name), value)));
     let size = (images.width as usize, images.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
@@ -221,6 +259,7 @@ fn encode_exr(images: &ImageSet) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::image::RenderLight;
 
     fn two_pixels() -> ImageSet {
         ImageSet {
@@ -277,6 +316,26 @@ mod tests {
         assert_eq!(channels.len(), 14);
         let matrix = image.layer_data[0].attributes.other.get(&Text::from(CLIP_FROM_WORLD));
         assert_eq!(matrix, Some(&AttributeValue::Matrix4x4(std::array::from_fn(|k| k as f32))));
+    }
+
+    #[test]
+    fn an_exr_says_how_the_image_was_taken() {
+        let settings = ImageSettings {
+            samples: 256,
+            shadows: Shadows::Ray,
+            light: RenderLight::default(),
+            device: "Δ é".into(),
+            build: "1+2".into(),
+            residual_world: 1.5e-9,
+        };
+        let bytes = &encode_with(&two_pixels(), ImageFormat::Exr, Some(&settings)).unwrap()[0].bytes;
+        let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).unwrap();
+        let attribute = |name: &str| meta.headers[0].own_attributes.other.get(&Text::from(name)).cloned();
+        assert_eq!(attribute("displace.samples"), Some(AttributeValue::I32(256)));
+        assert_eq!(attribute("displace.shadows"), Some(AttributeValue::Text(Text::from("ray"))));
+        assert_eq!(attribute("displace.device"), Some(AttributeValue::Text(Text::from("? é"))));
+        assert_eq!(attribute("displace.residual_world"), Some(AttributeValue::F64(1.5e-9)));
+        assert_eq!(attribute("displace.background"), Some(AttributeValue::FloatVec3((0.05, 0.05, 0.05))));
     }
 
     #[test]

@@ -5,7 +5,11 @@ use std::sync::Arc;
 use glam::DMat4;
 use serde::{Deserialize, Serialize};
 
-use super::{Error, Result, detail::Wrap, request::Aov};
+use super::{
+    Error, Result,
+    detail::Wrap,
+    request::{Aov, Rays, Shadows},
+};
 
 /// The pure-data recipe of a render.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +18,8 @@ pub struct ImagePlan {
     pub height: u32,
     /// Visibility samples per pixel: 4.
     pub samples: u32,
+    /// Traces the image instead: the image oracle's work, on the reference alone.
+    pub rays: Option<Rays>,
     /// The image is made in slabs of at most so many pixels a side; a multiple of 16.
     pub slab_px: u32,
     pub device_bytes: u64,
@@ -49,8 +55,22 @@ impl ImagePlan {
         let slab_px = Self::MAX_SLAB;
         let slab_pixels = u64::from(width.min(slab_px)) * u64::from(height.min(slab_px));
         let device_bytes = contents.scene_bytes() + contents.work_bytes(slab_pixels);
-        Ok(Self { width, height, samples: 4, slab_px, device_bytes })
+        Ok(Self { width, height, samples: 4, rays: None, slab_px, device_bytes })
     }
+}
+
+/// How an image was taken, for the files that can hold it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageSettings {
+    /// A pixel: rays, or the renderer's samples of visibility. Their mean is the pixel: a box filter.
+    pub samples: u32,
+    pub shadows: Shadows,
+    pub light: RenderLight,
+    /// Name of the device.
+    pub device: String,
+    pub build: String,
+    /// No point of what is shown is farther from the surface it stands for, world units.
+    pub residual_world: f64,
 }
 
 impl ImageContents {

@@ -4,7 +4,7 @@
 //! requests give equal bytes.
 
 pub use displace_glsl::methods::Method;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     Digest,
@@ -65,6 +65,30 @@ pub struct RenderRequest {
     pub look: Look,
     pub aovs: Vec<Aov>,
     pub format: ImageFormat,
+    /// Rays a pixel; none where the renderer's own samples of visibility do.
+    pub samples: Option<u32>,
+}
+
+impl RenderRequest {
+    /// Rays a pixel where shadows need rays and nothing is said of how many.
+    pub const DEFAULT_SAMPLES: u32 = 64;
+    pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=1024;
+
+    /// What has to be traced, if anything.
+    #[must_use]
+    pub fn rays(&self) -> Option<Rays> {
+        let shadows = self.look.shadows;
+        let needed = (shadows == Shadows::Ray).then_some(Self::DEFAULT_SAMPLES);
+        self.samples.or(needed).map(|samples| Rays { samples, shadows })
+    }
+}
+
+/// An image by rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rays {
+    /// A pixel.
+    pub samples: u32,
+    pub shadows: Shadows,
 }
 
 /// Two images to be compared; `a` is the reference.
@@ -203,6 +227,16 @@ pub struct Look {
     pub light_direction: [f32; 3],
     /// Ambient light, linear, 0 to 1.
     pub ambient: f32,
+    pub shadows: Shadows,
+}
+
+/// Whether surfaces take each other's light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Shadows {
+    #[default]
+    None,
+    /// By a ray towards the light.
+    Ray,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]

@@ -1,19 +1,19 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams,
+    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams,
     work::canonical,
 };
 use crate::{
     domain::{
-        Result, camera,
+        Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan},
+        image::{ImageContents, ImagePlan, ImageSettings, RenderScene},
         report::{Estimate, Report},
-        request::{ImageFormat, RenderRequest},
+        request::{ImageFormat, RenderRequest, Shadows},
     },
-    render::JobContext,
+    render::{Executor, JobContext},
 };
 
 /// Host bytes of a pixel while it is resolved and encoded: linear RGBA f32, and AOVs of up to three f32.
@@ -43,6 +43,7 @@ impl Work for RenderWork {
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
         let request = &self.request;
+        refuse_rays(request, context.executor)?;
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
         planned(&inputs, context.limits, request)?;
         let (surfaces, mut passes) = inputs.displaced(context)?;
@@ -53,9 +54,12 @@ impl Work for RenderWork {
         let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
+        let plan = ImagePlan { rays: request.rays(), ..plan };
         let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
-        let files = inputs::timed(context.progress, "encode", &mut passes, || encode::encode(&images, request.format))?;
+        let settings = settings(&plan, &scene, context.executor);
+        let encode = || encode::encode_with(&images, request.format, Some(&settings));
+        let files = inputs::timed(context.progress, "encode", &mut passes, encode)?;
         report.warnings = inputs.scene.warnings;
         report.passes = passes;
         let ending = match request.format {
@@ -90,6 +94,31 @@ fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Resu
         return Err(inputs::too_large("device memory", plan.device_bytes, limits.device_bytes));
     }
     Ok(plan)
+}
+
+/// Before any work: not every device traces.
+fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
+    if request.rays().is_none() || executor.traces_rays() {
+        return Ok(());
+    }
+    let (field, what) = match request.look.shadows {
+        Shadows::Ray => ("lighting.shadows", "shadows by rays".to_owned()),
+        Shadows::None => ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default())),
+    };
+    let device = executor.device_name();
+    let message = format!("{what} are more than {device} does; use --device reference, or leave them out");
+    Err(Error::unsupported(field, message))
+}
+
+fn settings(plan: &ImagePlan, scene: &RenderScene, executor: &dyn Executor) -> ImageSettings {
+    ImageSettings {
+        samples: plan.rays.map_or(plan.samples, |rays| rays.samples),
+        shadows: plan.rays.map_or(Shadows::None, |rays| rays.shadows),
+        light: scene.light,
+        device: executor.device_name().into(),
+        build: BUILD_ID.into(),
+        residual_world: 0.0,
+    }
 }
 
 fn image_bytes(request: &RenderRequest) -> u64 {

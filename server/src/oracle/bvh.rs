@@ -165,7 +165,8 @@ fn push_nearer_last(stack: &mut Vec<(usize, f64)>, mut pair: [(usize, f64); 2], 
     if pair[0].1 < pair[1].1 {
         pair.swap(0, 1);
     }
-    stack.extend(pair.into_iter().filter(|(_, near)| *near <= limit));
+    // A box that is missed is endlessly far, also where the limit is.
+    stack.extend(pair.into_iter().filter(|(_, near)| *near <= limit && *near < f64::INFINITY));
 }
 
 fn rounded_down(p: DVec3) -> Vec3A {
@@ -225,6 +226,18 @@ mod tests {
                 assert!(visited || !inside);
             }
         }
+    }
+
+    #[test]
+    fn an_endless_segment_leaves_out_what_it_misses() {
+        let bvh = Bvh::build(&boxes(300));
+        let segment = Segment { origin: point(1) + 5.0, direction: DVec3::X, from: 0.0, to: f64::INFINITY };
+        let mut visited = 0;
+        bvh.along(&segment, |_, to| {
+            visited += 1;
+            to
+        });
+        assert_eq!(visited, 0);
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl Patch {
 }
 
 /// Which of n texels lattice point i shows.
-fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
+pub(super) fn wrapped(i: i64, n: u32, wrap: Wrap, sampling: Sampling) -> i64 {
     let n = i64::from(n);
     let last = n - 1;
     // Repeating nodes: the last texel lies on the first of the next period; both are kept, [0, 1] is read as it is.

@@ -85,7 +85,10 @@ fn slabs(plan: &ImagePlan) -> Vec<Slab> {
 fn check_plan(plan: &ImagePlan) -> Result<()> {
     let sides = 1..=ImagePlan::MAX_SIDE;
     let slab_sides = 16..=ImagePlan::MAX_SLAB;
-    let known = plan.samples == SAMPLES && slab_sides.contains(&plan.slab_px) && plan.slab_px.is_multiple_of(16);
+    let known = plan.samples == SAMPLES
+        && plan.rays.is_none()
+        && slab_sides.contains(&plan.slab_px)
+        && plan.slab_px.is_multiple_of(16);
     if known && sides.contains(&plan.width) && sides.contains(&plan.height) {
         return Ok(());
     }

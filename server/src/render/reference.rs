@@ -61,6 +61,10 @@ impl Executor for ReferenceExecutor {
         Ok((surface, stages.times))
     }
 
+    fn traces_rays(&self) -> bool {
+        true
+    }
+
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
         reference_image::render(job, plan, scene)
     }

@@ -1,5 +1,5 @@
 //! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
-//! no slabs. Coverage is decided in 128-bit integers.
+//! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
 use std::sync::Arc;
 
@@ -18,10 +18,17 @@ use displace_glsl::{
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use crate::domain::{
-    Result,
-    image::{ColorMap, ImagePlan, ImageSet, RenderMesh, RenderScene},
-    report::PassTime,
+use crate::{
+    domain::{
+        Result,
+        image::{ColorMap, ImagePlan, ImageSet, RenderMesh, RenderScene},
+        report::PassTime,
+        request::{Rays, Shadows},
+    },
+    oracle::{
+        self,
+        image::{Exposure, OracleScene},
+    },
 };
 
 use super::{
@@ -29,7 +36,7 @@ use super::{
     image::{
         empty_images,
         shading::eye_and_depth,
-        tables::{Tables, wrap_numbers},
+        tables::{self, Tables, wrap_numbers},
     },
 };
 
@@ -39,6 +46,22 @@ const NOTHING: u32 = u32::MAX;
 
 pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
     let start = std::time::Instant::now();
+    let images = match plan.rays {
+        Some(rays) => traced(job, plan, rays, scene)?,
+        None => rasterised(job, plan, scene)?,
+    };
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    Ok((images, vec![PassTime { name: "image".into(), ms, bytes: 0 }]))
+}
+
+fn traced(job: &JobContext<'_>, plan: &ImagePlan, rays: Rays, scene: &RenderScene) -> Result<ImageSet> {
+    tables::check(scene)?;
+    let shadows = rays.shadows == Shadows::Ray;
+    let exposure = Exposure { width: plan.width, height: plan.height, samples: rays.samples, shadows };
+    oracle::image::render(&OracleScene::from(scene), &exposure, job.cancel, job.progress)
+}
+
+fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<ImageSet> {
     let oracle = Oracle::new(plan, scene)?;
     let triangles = oracle.screen_triangles();
     job.cancel.check()?;
@@ -53,8 +76,7 @@ pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
     let mut images = empty_images(plan, scene);
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     job.progress.pass("image", 1, 1);
-    let ms = start.elapsed().as_secs_f64() * 1e3;
-    Ok((images, vec![PassTime { name: "image".into(), ms, bytes: 0 }]))
+    Ok(images)
 }
 
 /// A triangle, or a piece of one, on the screen.

@@ -4,7 +4,10 @@ use std::collections::HashSet;
 
 use displace_proto::v1;
 
-use super::{details, digest, geometry, join, known, view};
+use super::{
+    details, digest, geometry, join, known,
+    view::{self, View},
+};
 use crate::{
     config::Config,
     domain::{
@@ -55,7 +58,12 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
         v1::ImageFormat::Unspecified | v1::ImageFormat::Png => ImageFormat::Png,
         v1::ImageFormat::Exr => ImageFormat::Exr,
     };
-    Ok(RenderRequest { surface, camera: view.camera, width: view.width, height: view.height, look, aovs, format })
+    let samples = view::samples(&join(path, "samples"), request.samples)?;
+    let View { camera, width, height } = view;
+    let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, samples };
+    // What is left open is filled in, so that it does not make another result key.
+    request.samples = request.rays().map(|rays| rays.samples);
+    Ok(request)
 }
 
 pub(crate) fn compare(request: &v1::CompareRequest) -> Result<CompareRequest> {

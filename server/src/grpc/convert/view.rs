@@ -2,11 +2,11 @@
 
 use displace_proto::v1;
 
-use super::{join, vector, within};
+use super::{join, known, vector, within};
 use crate::domain::{
     Error, Result,
     camera::YFOV_DEGREES,
-    request::{CameraChoice, Look},
+    request::{CameraChoice, Look, RenderRequest, Shadows},
 };
 
 /// Views of one Render in this version.
@@ -93,7 +93,21 @@ pub(super) fn lighting(path: &str, lighting: Option<v1::Lighting>) -> Result<Loo
     Ok(Look {
         light_direction: unit(&field, towards)?,
         ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(DEFAULT_AMBIENT), 0.0, 1.0)?,
+        shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
+            v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
+            v1::Shadows::Ray => Shadows::Ray,
+        },
     })
+}
+
+/// 0 stands for as many as are needed.
+pub(super) fn samples(field: &str, samples: u32) -> Result<Option<u32>> {
+    let allowed = RenderRequest::SAMPLES;
+    if samples == 0 || allowed.contains(&samples) {
+        return Ok((samples > 0).then_some(samples));
+    }
+    let (low, high) = allowed.into_inner();
+    Err(Error::invalid(field, format!("{samples} rays a pixel are out of range; allowed are {low} to {high}")))
 }
 
 /// In f64, so that neither huge nor tiny vectors lose their direction.

@@ -209,7 +209,7 @@ fn normal_rows(m: DMat3) -> [DVec3; 3] {
 }
 
 /// The device must never see an index that leads out of a table.
-fn check(scene: &RenderScene) -> Result<()> {
+pub(crate) fn check(scene: &RenderScene) -> Result<()> {
     for (index, mesh) in scene.meshes.iter().enumerate() {
         let vertices = mesh.positions.len();
         let lengths = [mesh.normals.len(), mesh.uvs.len()];

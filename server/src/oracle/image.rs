@@ -1,0 +1,150 @@
+//! Images by rays: what a scene of triangles looks like, many samples a pixel, in f64, as the renderer defines
+//! light, colour and filter.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `image/scene.rs` | what is shown |
+//! | `image/view.rs` | from pixels to rays |
+//! | `image/world.rs` | from rays to points of surfaces |
+//! | `image/shading.rs` | from points to colours |
+//! | `image/sampling.rs` | where the samples of a pixel lie |
+//!
+//! The filter is the renderer's own, a box over the pixel: a pixel is the mean of its samples. Colour maps are
+//! read at their finest level. The further outputs are those at the pixel's centre, not means.
+
+mod sampling;
+mod scene;
+mod shading;
+mod view;
+mod world;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+
+use crate::domain::{
+    Result,
+    cancel::{Cancel, Progress},
+    image::ImageSet,
+    request::Aov,
+};
+
+pub use scene::{OracleMesh, OracleScene};
+
+use sampling::Places;
+use shading::Light;
+use view::View;
+use world::{Seen, World};
+
+use super::bvh::Segment;
+
+/// How an image is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Exposure {
+    /// Pixels, at least 1.
+    pub width: u32,
+    pub height: u32,
+    /// Of a pixel, at least 1.
+    pub samples: u32,
+    /// Whether surfaces take each other's light. Ambient light reaches everything.
+    pub shadows: bool,
+}
+
+/// Takes an image of the scene; the same scene gives the same bytes. Tells the progress of the pass `image` in
+/// rows. Fails when cancelled, or when the scene has too many triangles to number.
+pub fn render(scene: &OracleScene, exposure: &Exposure, cancel: &Cancel, progress: &dyn Progress) -> Result<ImageSet> {
+    let camera = Camera::new(scene, exposure)?;
+    let done = AtomicU64::new(0);
+    let row = |y: u32| {
+        cancel.check()?;
+        let row: Vec<Pixel> = (0..exposure.width).map(|x| camera.pixel(x, y)).collect();
+        progress.pass("image", done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(exposure.height));
+        Ok(row)
+    };
+    let rows: Vec<Vec<Pixel>> = (0..exposure.height).into_par_iter().map(row).collect::<Result<_>>()?;
+    let mut images = empty_images(exposure, &scene.aovs);
+    rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
+    Ok(images)
+}
+
+struct Camera<'s> {
+    world: World<'s>,
+    view: View,
+    light: Light,
+    background: DVec3,
+    samples: u32,
+    shadows: bool,
+    wants_centre: bool,
+}
+
+impl<'s> Camera<'s> {
+    fn new(scene: &'s OracleScene, exposure: &Exposure) -> Result<Self> {
+        let view = View::new(&scene.camera, exposure.width, exposure.height);
+        Ok(Self {
+            world: World::new(scene, view.mirrored)?,
+            view,
+            light: Light::from(&scene.light),
+            background: DVec3::from_array(scene.light.background.map(f64::from)),
+            samples: exposure.samples,
+            shadows: exposure.shadows,
+            wants_centre: !scene.aovs.is_empty(),
+        })
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> Pixel {
+        let corner = [f64::from(x), f64::from(y)];
+        let ray = |[u, v]: [f64; 2]| self.view.ray([corner[0] + u, corner[1] + v]);
+        let places = Places::of_pixel(x, y);
+        let sum: DVec3 = (0..self.samples).map(|sample| self.radiance(&ray(places.at(sample)))).sum();
+        let centre = if self.wants_centre { self.world.seen(&ray([0.5; 2])) } else { None };
+        let depth = centre.map_or(f64::INFINITY, |seen| self.view.depth(seen.position));
+        Pixel { color: sum / f64::from(self.samples), depth, centre }
+    }
+
+    fn radiance(&self, ray: &Segment) -> DVec3 {
+        let Some(seen) = self.world.seen(ray) else { return self.background };
+        let base = seen.base.truncate();
+        let direct = self.light.direct(base, seen.normal, -ray.direction);
+        let lit = direct == DVec3::ZERO || !self.shadows || !self.world.is_shadowed(&seen, self.light.direction);
+        self.light.indirect(base) + if lit { direct } else { DVec3::ZERO }
+    }
+}
+
+/// What the images hold of one pixel.
+struct Pixel {
+    color: DVec3,
+    depth: f64,
+    centre: Option<Seen>,
+}
+
+impl Pixel {
+    fn store(self, i: usize, images: &mut ImageSet) {
+        images.color[i] = self.color.as_vec3().extend(1.0).to_array();
+        let Some(seen) = self.centre else { return };
+        set(&mut images.depth, i, self.depth as f32);
+        set(&mut images.normal, i, seen.normal.as_vec3().to_array());
+        set(&mut images.position, i, seen.position.as_vec3().to_array());
+        set(&mut images.uv, i, seen.uv.as_vec2().to_array());
+        set(&mut images.triangle, i, seen.triangle);
+    }
+}
+
+fn set<T>(image: &mut Option<Vec<T>>, i: usize, value: T) {
+    if let Some(image) = image {
+        image[i] = value;
+    }
+}
+
+fn empty_images(exposure: &Exposure, aovs: &[Aov]) -> ImageSet {
+    let pixels = exposure.width as usize * exposure.height as usize;
+    let wants = |aov: Aov| aovs.contains(&aov);
+    let color = vec![[0.0; 4]; pixels];
+    let mut images = ImageSet { width: exposure.width, height: exposure.height, color, ..ImageSet::default() };
+    images.depth = wants(Aov::Depth).then(|| vec![f32::INFINITY; pixels]);
+    images.normal = wants(Aov::Normal).then(|| vec![[0.0; 3]; pixels]);
+    images.position = wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]);
+    images.uv = wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]);
+    images.triangle = wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]);
+    images
+}
