@@ -28,5 +28,6 @@ pub mod parameter;
 pub mod ray;
 pub mod sheet;
 pub mod surface;
+#[cfg(test)]
 mod test_maps;
 pub mod triangle_error;
