@@ -24,6 +24,7 @@ Examples:
   displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.png
   displace describe wall.glb                                        what a mesh holds
+  displace measure wall.glb --height bricks.png --scale 0.05 out.glb how far a result is from the truth
   displace compare before.png after.png                             how far two images are apart
   DISPLACE_SERVER=http://farm:7878 displace status                  use a server elsewhere
 
@@ -77,6 +78,8 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Say what a mesh holds, and what is wrong with it
     Describe(DescribeArgs),
+    /// Say how far a mesh is from another, or from the surface a detail describes
+    Measure(Box<MeasureArgs>),
     /// Say how far two images are apart: FLIP, RMSE, SSIM
     Compare(CompareArgs),
     /// Put, get, list and remove stored assets
@@ -185,6 +188,9 @@ pub(crate) struct RenderArgs {
     pub(crate) detail: DetailArgs,
     #[command(flatten)]
     pub(crate) geometry: GeometryArgs,
+    /// Show the surface itself, within 1/32 of a pixel, instead of triangles for it; needs --device reference
+    #[arg(long, conflicts_with = "uniform", help_heading = "Geometry")]
+    pub(crate) exact: bool,
     #[command(flatten)]
     pub(crate) look: LookArgs,
     #[command(flatten)]
@@ -212,6 +218,40 @@ pub(crate) struct DescribeArgs {
     /// Mesh: .glb, .gltf, .obj or .ply
     #[arg(value_name = "MESH")]
     pub(crate) mesh: PathBuf,
+}
+
+const MEASURE_EXAMPLES: &str = "\
+Examples:
+  displace measure wall.glb out.glb                                   two meshes
+  displace measure wall.glb --height bricks.png --scale 0.05 out.glb  a result against the surface itself
+  displace measure a.glb b.glb --precision 1e-6 --json | jq .hausdorff
+  displace measure a.glb b.glb -o error.glb                           b, coloured by its distance to a
+
+The Hausdorff distance is an interval that holds it, both ways; world units. RMS and normals are of samples.";
+
+#[derive(Debug, Args)]
+#[command(after_help = MEASURE_EXAMPLES)]
+pub(crate) struct MeasureArgs {
+    /// The reference: .glb, .gltf, .obj or .ply; with a detail, the surface it describes
+    #[arg(value_name = "MESH")]
+    pub(crate) mesh: PathBuf,
+    /// The mesh that is judged: .glb, .gltf, .obj or .ply
+    #[arg(value_name = "RESULT")]
+    pub(crate) result: PathBuf,
+    #[command(flatten)]
+    pub(crate) detail: DetailArgs,
+    /// How the sides of the reference's seams become one
+    #[arg(long, value_enum, default_value = "mean", help_heading = "Geometry")]
+    pub(crate) seams: SeamsArg,
+    /// Width of the ramp that reconciles a seam's sides; 0 is off
+    #[arg(long, value_name = "TEXELS", default_value = "3", value_parser = values::not_negative, allow_hyphen_values = true, help_heading = "Geometry")]
+    pub(crate) feather: f32,
+    /// Width of the interval, as a share of the reference's diagonal, 1e-9 to 1
+    #[arg(long, value_name = "P", default_value = "1e-4", value_parser = values::share, allow_hyphen_values = true)]
+    pub(crate) precision: f64,
+    /// Write the judged mesh coloured by its distance, with a scale beside it
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 const COMPARE_EXAMPLES: &str = "\

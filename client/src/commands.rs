@@ -8,6 +8,7 @@ mod completions;
 mod demo;
 mod describe;
 mod health;
+mod measure;
 mod methods;
 mod render;
 mod status;
@@ -52,6 +53,7 @@ pub(crate) async fn run(session: &Session, cli: Cli, matches: &ArgMatches, termi
         Command::Demo(args) => demo::run(session, &args, terminal).await,
         Command::Apply(args) => apply::run(session, &args, matches, terminal).await,
         Command::Render(args) => render::run(session, &args, matches, terminal).await,
+        Command::Measure(args) => measure::run(session, &args, matches, terminal).await,
         Command::Compare(args) => compare::run(session, &args, terminal).await,
         Command::Describe(args) => describe::run(session, &args, terminal).await,
         Command::Assets(command) => assets::run(session, &command, terminal).await,

@@ -4,8 +4,8 @@
 use displace_proto::{
     rpc,
     v1::{
-        CompareRequest, DisplaceRequest, JobResult, JobUpdate, RenderRequest, displacement_client::DisplacementClient,
-        job_update::Update,
+        CompareRequest, DisplaceRequest, JobResult, JobUpdate, MeasureRequest, RenderRequest,
+        displacement_client::DisplacementClient, job_update::Update,
     },
 };
 use prost::Message as _;
@@ -26,6 +26,7 @@ const UPLOADS: u32 = 3;
 pub(crate) enum Job {
     Displace(DisplaceRequest),
     Render(RenderRequest),
+    Measure(MeasureRequest),
     Compare(CompareRequest),
 }
 
@@ -35,6 +36,7 @@ impl Job {
         let how = match &mut self {
             Self::Displace(request) => Some((&mut request.linger_secs, &mut request.fresh)),
             Self::Render(request) => request.surface.as_mut().map(|s| (&mut s.linger_secs, &mut s.fresh)),
+            Self::Measure(request) => Some((&mut request.linger_secs, &mut request.fresh)),
             Self::Compare(request) => Some((&mut request.linger_secs, &mut request.fresh)),
         };
         if let Some((linger_secs, fresh)) = how {
@@ -47,6 +49,7 @@ impl Job {
         match self.clone() {
             Self::Displace(message) => client.displace(request(message, STREAM_DEADLINE)).await,
             Self::Render(message) => client.render(request(message, STREAM_DEADLINE)).await,
+            Self::Measure(message) => client.measure(request(message, STREAM_DEADLINE)).await,
             Self::Compare(message) => client.compare(request(message, STREAM_DEADLINE)).await,
         }
     }

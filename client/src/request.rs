@@ -174,12 +174,15 @@ pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
             NormalsArg::Geometric => v1::Normals::Geometric,
         }
         .into(),
-        seams: match args.seams {
-            SeamsArg::Mean => v1::SeamRule::Mean,
-            SeamsArg::Dominant => v1::SeamRule::Dominant,
-        }
-        .into(),
+        seams: seams(args.seams).into(),
         feather_texels: Some(args.feather),
+    }
+}
+
+pub(crate) fn seams(seams: SeamsArg) -> v1::SeamRule {
+    match seams {
+        SeamsArg::Mean => v1::SeamRule::Mean,
+        SeamsArg::Dominant => v1::SeamRule::Dominant,
     }
 }
 

@@ -12,6 +12,7 @@ pub mod gltf;
 pub mod image;
 pub mod look;
 pub mod maps;
+pub mod measurement;
 pub mod mesh;
 pub mod plan;
 pub mod report;

@@ -3,15 +3,17 @@
 //! A job's life: a handler turns a request into `Work`; `Jobs::submit` answers it from the store, joins it to
 //! the same work under way, or admits it to the queue; the owner thread runs it, stores what it made, and
 //! tells every listener. Not here: what work does (`displace`, `render`,
-//! `compare`) and how it is asked for (`grpc`).
+//! `compare`, `measure`) and how it is asked for (`grpc`).
 
 mod admission;
 mod compare;
 mod displace;
+mod exact;
 mod images;
 mod inputs;
 mod job;
 mod key;
+mod measure;
 mod owner;
 mod registry;
 mod render;

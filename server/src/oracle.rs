@@ -9,6 +9,7 @@
 //! | `dicing.rs`, `dicing/` | the surface as triangles with a certified residual |
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
+//! | `measure.rs`, `cracks.rs` | everything that is told of two of them |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
 //! | `metrics.rs` | how far two images are apart |
 //! | `triangle_error.rs` | how far at most a flat triangle is from the map it stands for |
@@ -17,12 +18,14 @@
 //! | `image.rs` | what a scene of triangles looks like |
 
 pub mod bvh;
+pub mod cracks;
 pub mod dicing;
 pub mod field;
 pub mod hausdorff;
 pub mod height_field;
 pub mod image;
 pub mod interval_jet;
+pub mod measure;
 pub mod metrics;
 pub mod parameter;
 pub mod ray;

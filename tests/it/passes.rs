@@ -61,6 +61,7 @@ fn welded_with_tangents(mesh: &TestMesh) -> Mesh {
 fn geometry(level: u32) -> Geometry {
     Geometry {
         uniform_level: level,
+        exact: false,
         max_triangles: None,
         normals: Normals::Analytic,
         seams: SeamRule::Mean,

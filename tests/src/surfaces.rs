@@ -23,6 +23,7 @@ use crate::{maps, meshes::TestMesh};
 pub fn uniform(level: u32) -> Geometry {
     Geometry {
         uniform_level: level,
+        exact: false,
         max_triangles: None,
         normals: Normals::Analytic,
         seams: SeamRule::Mean,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
-use displace_proto::v1::{ImageFormat, Output, RenderRequest};
+use displace_proto::v1::{ImageFormat, Output, RenderRequest, geometry::Refinement};
 
 use super::{
     Session,
@@ -37,7 +37,10 @@ pub(super) async fn perform(
     let format = format(&args.output)?;
     refuse_repeated_aovs(args)?;
     Target::new(&args.output)?;
-    let (surface, parcel) = surface.request(session).await?;
+    let (mut surface, parcel) = surface.request(session).await?;
+    if let Some(geometry) = surface.geometry.as_mut().filter(|_| args.exact) {
+        geometry.refinement = Some(Refinement::Exact(true));
+    }
     let message = RenderRequest {
         surface: Some(surface),
         views: vec![request::view(&args.camera)],
@@ -58,7 +61,9 @@ fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
     // A level asks for a finer surface even where the details are those of the file.
     let plain = if args.geometry.uniform.is_some() { MethodArg::Displacement } else { MethodArg::Flat };
     let method = options::method(args.method, &groups, plain);
-    options::require_level(&args.geometry, method, "render")?;
+    if !args.exact {
+        options::require_level(&args.geometry, method, "render")?;
+    }
     Ok(Surface { mesh: args.mesh.clone(), groups, geometry: args.geometry.clone(), look: args.look.clone(), method })
 }
 

@@ -16,6 +16,7 @@ impl Need {
                 Self::Device
             }
             Command::Compare(_)
+            | Command::Measure(_)
             | Command::Describe(_)
             | Command::Assets(_)
             | Command::Methods

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::measurement::Measurement;
+
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     pub method: String,
@@ -16,6 +18,9 @@ pub struct Report {
     /// What `compare` found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Comparison>,
+    /// What `measure` found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measurement: Option<Measurement>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,

@@ -70,7 +70,7 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
-    /// Rays a pixel where shadows need rays and nothing is said of how many.
+    /// Rays a pixel where shadows or the surface itself need rays and nothing is said of how many.
     pub const DEFAULT_SAMPLES: u32 = 64;
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=1024;
 
@@ -78,7 +78,8 @@ impl RenderRequest {
     #[must_use]
     pub fn rays(&self) -> Option<Rays> {
         let shadows = self.look.shadows;
-        let needed = (shadows == Shadows::Ray).then_some(Self::DEFAULT_SAMPLES);
+        let needed = shadows == Shadows::Ray || self.surface.geometry.exact;
+        let needed = needed.then_some(Self::DEFAULT_SAMPLES);
         self.samples.or(needed).map(|samples| Rays { samples, shadows })
     }
 }
@@ -89,6 +90,32 @@ pub struct Rays {
     /// A pixel.
     pub samples: u32,
     pub shadows: Shadows,
+}
+
+/// A mesh to be measured against a reference: a mesh as it is (method flat), or the surface its detail describes.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeasureRequest {
+    /// Its level says nothing.
+    pub reference: DisplaceRequest,
+    pub mesh: Digest,
+    /// External files of a .gltf, by the URI the file uses.
+    pub resources: Vec<(String, Digest)>,
+    /// Width of the interval asked for, as a share of the reference's diagonal.
+    pub precision: f64,
+    /// Whether to make the mesh coloured by its distance.
+    pub colors: bool,
+}
+
+impl MeasureRequest {
+    /// Every asset the request names, each once, in the order of digests.
+    #[must_use]
+    pub fn assets(&self) -> Vec<Digest> {
+        let own = self.resources.iter().map(|(_, asset)| *asset).chain([self.mesh]);
+        let mut assets: Vec<Digest> = self.reference.assets().into_iter().chain(own).collect();
+        assets.sort_unstable();
+        assets.dedup();
+        assets
+    }
 }
 
 /// Two images to be compared; `a` is the reference.
@@ -102,6 +129,8 @@ pub struct CompareRequest {
 pub struct Geometry {
     /// Uniform subdivision: each triangle becomes 4^level. 0 to 12.
     pub uniform_level: u32,
+    /// Instead of a level: the surface itself.
+    pub exact: bool,
     pub max_triangles: Option<u64>,
     pub normals: Normals,
     pub seams: SeamRule,

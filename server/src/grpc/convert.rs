@@ -4,12 +4,13 @@
 mod description;
 mod details;
 mod geometry;
+mod measurement;
 mod request;
 mod update;
 mod view;
 
 pub(super) use description::to_description;
-pub(super) use request::{compare, displace, estimate, mesh_source, render};
+pub(super) use request::{compare, displace, estimate, measure, mesh_source, render};
 pub(super) use update::{to_estimate, to_update};
 pub(super) use view::MAX_VIEWS;
 

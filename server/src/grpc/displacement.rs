@@ -99,6 +99,7 @@ impl Displacement for DisplacementService {
     type DisplaceStream = Updates;
     type RenderStream = Updates;
     type CompareStream = Updates;
+    type MeasureStream = Updates;
 
     async fn describe(&self, request: Request<v1::DescribeRequest>) -> Result<Response<v1::DescribeResponse>, Status> {
         answer(self.describe(request).await)
@@ -124,6 +125,17 @@ impl Displacement for DisplacementService {
             let how = request.get_ref().surface.as_ref().map(how_of_surface).unwrap_or_default();
             let request = convert::render("", request.into_inner(), &self.0.config)?;
             self.updates(&request.surface.assets(), self.0.recipes.render(request), how, store).await
+        };
+        answer(updates.await)
+    }
+
+    async fn measure(&self, request: Request<v1::MeasureRequest>) -> Result<Response<Updates>, Status> {
+        let updates = async {
+            let store = self.store(request.metadata())?;
+            let message = request.into_inner();
+            let how = how(message.fresh, message.linger_secs);
+            let request = convert::measure(message)?;
+            self.updates(&request.assets(), self.0.recipes.measure(request), how, store).await
         };
         answer(updates.await)
     }

@@ -56,7 +56,7 @@ fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
 }
 
 /// The scene's materials, then one for primitives without.
-fn materials(scene: &mut Scene) -> Result<Vec<RenderMaterial>> {
+pub(super) fn materials(scene: &mut Scene) -> Result<Vec<RenderMaterial>> {
     let mut images: HashMap<usize, Option<Arc<ColorMap>>> = HashMap::new();
     let mut texels = 0;
     let mut materials = Vec::new();

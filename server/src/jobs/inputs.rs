@@ -30,7 +30,7 @@ pub(super) struct Inputs {
     pub(super) scene: Scene,
     plans: Vec<SurfacePlan>,
     /// For each mesh, for each of its primitives.
-    details: Vec<Vec<Option<Arc<Detail>>>>,
+    pub(super) details: Vec<Vec<Option<Arc<Detail>>>>,
     /// Triangles of the base meshes, each counted once however often it is used.
     triangles_in: u64,
     passes: Vec<PassTime>,

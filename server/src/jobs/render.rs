@@ -1,18 +1,19 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
 use super::{
-    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams,
-    work::canonical,
+    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, images, inputs, inputs::Inputs,
+    seams, work::canonical,
 };
 use crate::{
     domain::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan, ImageSettings, RenderScene},
-        report::{Estimate, Report},
+        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, RenderLight},
+        report::{Estimate, PassTime, Report},
         request::{ImageFormat, RenderRequest, Shadows},
     },
+    oracle::{self, image::Exposure},
     render::{Executor, JobContext},
 };
 
@@ -46,18 +47,11 @@ impl Work for RenderWork {
         refuse_rays(request, context.executor)?;
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
         planned(&inputs, context.limits, request)?;
-        let (surfaces, mut passes) = inputs.displaced(context)?;
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..inputs.counts() };
-        seams::describe(&mut report, &mut inputs.scene, &surfaces);
-        context.cancel.check()?;
-        let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
-        let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
-        let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
-        let plan = ImagePlan { rays: request.rays(), ..plan };
-        let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
-        inputs::add_times(&mut passes, times);
-        let settings = settings(&plan, &scene, context.executor);
+        let exact = request.surface.geometry.exact;
+        let take = if exact { Self::take_exactly } else { Self::take };
+        let Taken { images, settings, mut passes } = take(self, context, &mut inputs, &mut report)?;
         let encode = || encode::encode_with(&images, request.format, Some(&settings));
         let files = inputs::timed(context.progress, "encode", &mut passes, encode)?;
         report.warnings = inputs.scene.warnings;
@@ -72,6 +66,60 @@ impl Work for RenderWork {
             bytes: file.bytes.into(),
         });
         Ok(WorkOutput { report, outputs: outputs.collect() })
+    }
+}
+
+/// An image, and how it was taken.
+struct Taken {
+    images: ImageSet,
+    settings: ImageSettings,
+    passes: Vec<PassTime>,
+}
+
+impl RenderWork {
+    /// Of the triangles that the plan makes.
+    fn take(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
+        let request = &self.request;
+        let (surfaces, mut passes) = inputs.displaced(context)?;
+        seams::describe(report, &mut inputs.scene, &surfaces);
+        context.cancel.check()?;
+        let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
+        let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
+        let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
+        let plan = ImagePlan { rays: request.rays(), ..plan };
+        let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
+        inputs::add_times(&mut passes, times);
+        let samples = plan.rays.map_or(plan.samples, |rays| rays.samples);
+        let settings = self.settings(samples, scene.light, 0.0, context.executor);
+        Ok(Taken { images, settings, passes })
+    }
+
+    /// Of the surface itself.
+    fn take_exactly(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
+        let request = &self.request;
+        let mut passes = Vec::new();
+        let scene = inputs::timed(context.progress, "dice", &mut passes, || exact::scene(context, inputs, request))?;
+        report.triangles = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
+        report.vertices = scene.meshes.iter().map(|mesh| mesh.positions.len() as u64).sum();
+        let rays = request.rays().ok_or_else(|| Error::internal("an exact image without rays"))?;
+        let shadows = rays.shadows == Shadows::Ray;
+        let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };
+        let trace = || oracle::image::render(&scene, &exposure, context.cancel, context.progress);
+        let images = inputs::timed(context.progress, "image", &mut passes, trace)?;
+        let settings = self.settings(rays.samples, scene.light, scene.residual_world(), context.executor);
+        Ok(Taken { images, settings, passes })
+    }
+
+    fn settings(
+        &self,
+        samples: u32,
+        light: RenderLight,
+        residual_world: f64,
+        executor: &dyn Executor,
+    ) -> ImageSettings {
+        let shadows = self.request.rays().map_or(Shadows::None, |rays| rays.shadows);
+        let device = executor.device_name().into();
+        ImageSettings { samples, shadows, light, device, build: BUILD_ID.into(), residual_world }
     }
 }
 
@@ -102,23 +150,13 @@ fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
         return Ok(());
     }
     let (field, what) = match request.look.shadows {
+        _ if request.surface.geometry.exact => ("surface.geometry.exact", "the surface itself".to_owned()),
         Shadows::Ray => ("lighting.shadows", "shadows by rays".to_owned()),
         Shadows::None => ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default())),
     };
     let device = executor.device_name();
     let message = format!("{what} are more than {device} does; use --device reference, or leave them out");
     Err(Error::unsupported(field, message))
-}
-
-fn settings(plan: &ImagePlan, scene: &RenderScene, executor: &dyn Executor) -> ImageSettings {
-    ImageSettings {
-        samples: plan.rays.map_or(plan.samples, |rays| rays.samples),
-        shadows: plan.rays.map_or(Shadows::None, |rays| rays.shadows),
-        light: scene.light,
-        device: executor.device_name().into(),
-        build: BUILD_ID.into(),
-        residual_world: 0.0,
-    }
 }
 
 fn image_bytes(request: &RenderRequest) -> u64 {

@@ -1,14 +1,14 @@
 //! The jobs this version has.
 
-use super::{AssetReader, JobLimits, Recipes, Work, compare, displace, render};
+use super::{AssetReader, JobLimits, Recipes, Work, compare, displace, measure, render};
 use crate::domain::{
     Digest, Result,
     describe::Description,
     report::Estimate,
-    request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest},
+    request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
 };
 
-/// Requests become `displace`, `render` and `compare` jobs.
+/// Requests become `displace`, `render`, `measure` and `compare` jobs.
 pub struct StandardRecipes;
 
 impl Recipes for StandardRecipes {
@@ -22,6 +22,10 @@ impl Recipes for StandardRecipes {
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
         Box::new(compare::CompareWork { request })
+    }
+
+    fn measure(&self, request: MeasureRequest) -> Box<dyn Work> {
+        Box::new(measure::MeasureWork { request })
     }
 
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description> {

@@ -8,7 +8,7 @@ use crate::{
         cancel::{Cancel, Progress},
         describe::Description,
         report::{Estimate, Report},
-        request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest},
+        request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
     },
     render::{Executor, JobContext},
     store::TenantStore,
@@ -16,7 +16,7 @@ use crate::{
 
 /// One piece of work: a pure function of what `canonical` returns and of the assets that names.
 pub trait Work: Send + 'static {
-    /// Word for logs and statistics: `displace`, `render`, `compare`.
+    /// Word for logs and statistics: `displace`, `render`, `measure`, `compare`.
     fn kind(&self) -> &'static str;
 
     /// Method in lower case, for statistics; what is worked on where a kind has none.
@@ -89,6 +89,8 @@ pub trait Recipes: Send + Sync + 'static {
     fn render(&self, request: RenderRequest) -> Box<dyn Work>;
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work>;
+
+    fn measure(&self, request: MeasureRequest) -> Box<dyn Work>;
 
     /// `resources`: external files of a .gltf by URI.
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, resources: &[(String, Digest)]) -> Result<Description>;

@@ -63,8 +63,7 @@ pub fn directed(
     }
     let search = Search { a, b, width: settings.precision / 8.0 };
     let vertices = search.vertices(cancel)?;
-    let mut best = Best::default();
-    vertices.iter().zip(&a.positions).for_each(|(near, place)| best.offer(*place, near));
+    let mut best = search.farthest_vertex(&vertices);
     let wanted = settings.precision * 0.875;
     let mut open = BinaryHeap::new();
     let mut settled = 0f64;
@@ -79,7 +78,8 @@ pub fn directed(
         cancel.check()?;
         let batch: Vec<Piece> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         cuts += batch.len() as u64;
-        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece)).collect();
+        let lower = best.lower;
+        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece, lower)).collect();
         for part in parts.iter().flatten() {
             part.near.iter().zip(&part.places).for_each(|(near, place)| best.offer(*place, near));
         }
@@ -148,7 +148,7 @@ impl Search<'_> {
             Ok(places
                 .iter()
                 .map(|&place| {
-                    let near = self.near(place, hint);
+                    let near = self.near(place, hint, f64::INFINITY);
                     hint = Some(near.triangle);
                     near
                 })
@@ -158,8 +158,29 @@ impl Search<'_> {
         Ok(chunks.into_iter().flatten().collect())
     }
 
-    fn near(&self, place: DVec3, hint: Option<u32>) -> Near {
-        self.b.nearest(place, hint, self.width).expect("B has triangles")
+    /// A place that B is near to needs no sharp bounds: only the farthest one decides.
+    fn near(&self, place: DVec3, hint: Option<u32>, lower: f64) -> Near {
+        let near = self.b.nearest(place, hint, f64::INFINITY).expect("B has triangles");
+        if near.upper <= lower + self.width || near.upper - near.lower <= self.width {
+            return near;
+        }
+        self.b.nearest(place, Some(near.triangle), self.width).expect("B has triangles")
+    }
+
+    /// The vertex with the largest lower bound, once no other can have a much larger one.
+    fn farthest_vertex(&self, vertices: &[Near]) -> Best {
+        let mut best = Best::default();
+        vertices.iter().zip(&self.a.positions).for_each(|(near, place)| best.offer(*place, near));
+        let mut by_upper: Vec<usize> = (0..vertices.len()).collect();
+        by_upper.sort_unstable_by(|&i, &j| vertices[j].upper.total_cmp(&vertices[i].upper).then(i.cmp(&j)));
+        for v in by_upper {
+            if vertices[v].upper <= best.lower + self.width {
+                break;
+            }
+            let place = self.a.positions[v];
+            best.offer(place, &self.near(place, Some(vertices[v].triangle), best.lower));
+        }
+        best
     }
 
     fn whole(&self, triangle: u32, vertices: &[Near]) -> Piece {
@@ -196,12 +217,12 @@ impl Search<'_> {
         Some(piece.farthest() + deviation)
     }
 
-    fn cut(&self, piece: &Piece) -> [Piece; 2] {
+    fn cut(&self, piece: &Piece, lower: f64) -> [Piece; 2] {
         let (side, share) = self.where_to_cut(piece);
         let next = (side + 1) % 3;
         let middle = piece.corners[side].lerp(piece.corners[next], share);
         let place = self.a.point(piece.triangle, middle);
-        let near = self.near(place, Some(piece.near[side].triangle));
+        let near = self.near(place, Some(piece.near[side].triangle), lower);
         [side, next].map(|replaced| {
             let mut part = Piece { depth: piece.depth + 1, upper: 0.0, ..*piece };
             part.corners[replaced] = middle;

@@ -64,6 +64,7 @@ pub fn render(scene: &OracleScene, exposure: &Exposure, cancel: &Cancel, progres
     };
     let rows: Vec<Vec<Pixel>> = (0..exposure.height).into_par_iter().map(row).collect::<Result<_>>()?;
     let mut images = empty_images(exposure, &scene.aovs);
+    images.clip_from_world = Some(scene.camera.clip_from_world());
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     Ok(images)
 }

@@ -4,6 +4,7 @@
 mod nearest;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::{
     bvh::{Bounds, Bvh},
@@ -115,6 +116,17 @@ impl Sheet<'_> {
         self.residual.iter().copied().fold(0.0, f32::max).into()
     }
 
+    /// Triangles that face against their own shading normals.
+    #[must_use]
+    pub fn facing_back(&self) -> u64 {
+        let back = |t: u32| {
+            let [a, b, c] = self.corners(t);
+            let third = DVec3::splat(1.0 / 3.0);
+            (b - a).cross(c - a).dot(self.normal(t, third)) < 0.0
+        };
+        (0..self.triangles.len() as u32).into_par_iter().filter(|&t| back(t)).count() as u64
+    }
+
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let margin = self.largest_residual();
@@ -188,6 +200,12 @@ fn affine(columns: &[f32; 16]) -> DAffine3 {
 fn normal_matrix(world: &DAffine3) -> DMat3 {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = world.matrix3;
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
+}
+
+/// The most by which an instance enlarges any distance, rounded up; `world_from_mesh` is column-major.
+#[must_use]
+pub fn enlargement(world_from_mesh: &[f32; 16]) -> f64 {
+    largest_singular_value(&affine(world_from_mesh).matrix3)
 }
 
 /// Rounded up: the Frobenius norm where the iteration has not settled.

@@ -6,6 +6,7 @@ mod bounds;
 mod document;
 mod fine;
 mod pack;
+mod painted;
 mod primitive;
 mod skin;
 
@@ -22,6 +23,7 @@ use crate::domain::{
 use document::Kept;
 use fine::Fine;
 use pack::Builder;
+pub use painted::{Painted, write_painted};
 use primitive::Part;
 
 /// A GLB and what could not be kept in it.

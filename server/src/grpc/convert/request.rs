@@ -12,7 +12,9 @@ use crate::{
     config::Config,
     domain::{
         Digest, Error, Result,
-        request::{Aov, CompareRequest, DisplaceRequest, EstimateRequest, ImageFormat, Method, RenderRequest},
+        request::{
+            Aov, CompareRequest, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method, RenderRequest,
+        },
     },
 };
 
@@ -38,6 +40,15 @@ pub(crate) fn mesh_source(path: &str, mesh: Option<v1::MeshSource>) -> Result<(D
 }
 
 pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
+    let parsed = surface(path, request)?;
+    if parsed.geometry.exact {
+        let message = "the surface itself has no triangles to write: give uniform_level; exact is for Render";
+        return Err(Error::invalid(join(path, "geometry.exact"), message));
+    }
+    Ok(parsed)
+}
+
+fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
     let (mesh, resources) = mesh_source(&join(path, "mesh"), request.mesh)?;
     let method = method(&join(path, "method"), request.method)?;
     let details = details::parse(&join(path, "details"), request.details, method)?;
@@ -50,7 +61,7 @@ pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<Displ
 
 pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) -> Result<RenderRequest> {
     let surface = request.surface.ok_or_else(|| Error::invalid(join(path, "surface"), "is required"))?;
-    let surface = displace(&join(path, "surface"), surface)?;
+    let surface = self::surface(&join(path, "surface"), surface)?;
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = view::lighting(&join(path, "lighting"), request.lighting)?;
     let aovs = aovs(&join(path, "aovs"), &request.aovs)?;
@@ -64,6 +75,46 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
+}
+
+/// Share of the diagonal.
+const DEFAULT_PRECISION: f64 = 1e-4;
+const PRECISION: std::ops::RangeInclusive<f64> = 1e-9..=1.0;
+
+pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
+    let (mesh, resources) = mesh_source("result", request.result)?;
+    let precision = request.precision.unwrap_or(DEFAULT_PRECISION);
+    if !PRECISION.contains(&precision) {
+        let (low, high) = PRECISION.into_inner();
+        let message = format!("{precision} is out of range; allowed are {low:e} to {high} of the diagonal");
+        return Err(Error::invalid("precision", message));
+    }
+    let geometry = v1::Geometry {
+        refinement: Some(v1::geometry::Refinement::UniformLevel(0)),
+        seams: request.seams,
+        feather_texels: request.feather_texels,
+        ..v1::Geometry::default()
+    };
+    let reference = v1::DisplaceRequest {
+        mesh: request.mesh,
+        method: method_for(&request.details).into(),
+        details: request.details,
+        geometry: Some(geometry),
+        ..v1::DisplaceRequest::default()
+    };
+    Ok(MeasureRequest { reference: displace("", reference)?, mesh, resources, precision, colors: request.colors })
+}
+
+/// The method that realises every layer.
+fn method_for(details: &[v1::MaterialDetail]) -> v1::Method {
+    use v1::layer::Source;
+    let mut layers = details.iter().flat_map(|detail| &detail.layers);
+    let vectors = |layer: &v1::Layer| matches!(layer.source, Some(Source::Vector(_) | Source::Direction(_)));
+    match details {
+        [] => v1::Method::Flat,
+        _ if layers.any(vectors) => v1::Method::Vector,
+        _ => v1::Method::Displacement,
+    }
 }
 
 pub(crate) fn compare(request: &v1::CompareRequest) -> Result<CompareRequest> {

@@ -2,7 +2,7 @@
 
 use displace_proto::v1::{self, job_update::Update};
 
-use super::to_digest;
+use super::{measurement::to_measurement, to_digest};
 use crate::{
     domain::report::{Comparison, Estimate, PassTime, Report, Warning},
     grpc::status::rpc_status,
@@ -63,6 +63,7 @@ fn to_report(report: &Report) -> v1::Report {
         device: report.device.clone(),
         cached: report.cached,
         comparison: report.comparison.as_ref().map(to_comparison),
+        measurement: report.measurement.as_ref().map(to_measurement),
     }
 }
 

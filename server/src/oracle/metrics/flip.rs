@@ -63,12 +63,17 @@ impl ErrorMap {
     /// The map as 8-bit RGB in the colours of the authors' program: magma, black is the same, pale yellow is 1.
     #[must_use]
     pub fn colors(&self) -> Vec<u8> {
-        let magma = nv_flip::magma_lut().to_vec();
-        let color = |error: f32| {
-            let index = 3 * usize::from((error * 255.0 + 0.5) as u8);
-            [magma[index], magma[index + 1], magma[index + 2]]
-        };
-        self.errors.iter().flat_map(|error| color(*error)).collect()
+        let colors = magma();
+        self.errors.iter().flat_map(|error| colors(*error)).collect()
+    }
+}
+
+/// The colours of magma: from black at 0 to pale yellow at 1, sRGB.
+pub fn magma() -> impl Fn(f32) -> [u8; 3] {
+    let table = nv_flip::magma_lut().to_vec();
+    move |share| {
+        let index = 3 * usize::from((share * 255.0 + 0.5) as u8);
+        [table[index], table[index + 1], table[index + 2]]
     }
 }
 

@@ -1,0 +1,189 @@
+//! The displaced surface itself as the image oracle shows it: triangles that are nowhere farther from it than a
+//! small part of a pixel.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+
+use super::{WorkContext, images, inputs::Inputs};
+use crate::{
+    domain::{
+        Result, camera,
+        image::{RenderCamera, RenderInstance, RenderLight},
+        mesh::{Attribute, Mesh},
+        request::RenderRequest,
+        scene::{Material, Scene},
+    },
+    oracle::{
+        dicing::{Dicing, Limits, Region, dice},
+        image::{OracleMesh, OracleScene},
+        sheet::enlargement,
+        surface::{SeamChoice, Surface},
+    },
+};
+
+/// How far what is shown may be from the surface, pixels: a sixteenth of what a still allows.
+const RESIDUAL_PX: f64 = 1.0 / 32.0;
+/// The same while the camera is not known yet, as a share of the diagonal.
+const COARSE: f64 = 0.01;
+/// Nearer than this share of the diagonal a pixel stays as large: what the eye is inside of has no end.
+const NEAREST: f64 = 1e-3;
+/// Over all meshes.
+const MOST_TRIANGLES: usize = 3_000_000;
+
+pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
+    let materials = images::materials(&mut inputs.scene)?;
+    let scene = &inputs.scene;
+    let choice = SeamChoice::from(&request.surface.geometry);
+    let pairs = scene.meshes.iter().zip(&inputs.details);
+    let surfaces: Vec<Surface<'_>> = pairs.map(|(m, details)| Surface::new(&m.mesh, details, choice)).collect();
+    let coarse = COARSE * scene.diagonal;
+    let coarsely = diced(context, scene, &surfaces, &|_, world| world > coarse)?;
+    let bounds = bounds(scene, &coarsely);
+    let camera = camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?;
+    let lens = Lens::new(&camera, request.height, NEAREST * scene.diagonal);
+    let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > RESIDUAL_PX)?;
+    let parts = surfaces.iter().zip(&finely).enumerate();
+    let meshes = parts.map(|(mesh, (surface, dicing))| oracle_mesh(scene, mesh, surface, dicing)).collect();
+    let look = &request.look;
+    Ok(OracleScene {
+        meshes,
+        instances: scene
+            .instances
+            .iter()
+            .map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh })
+            .collect(),
+        materials,
+        camera,
+        light: RenderLight { direction_world: look.light_direction, ambient: look.ambient, ..RenderLight::default() },
+        aovs: request.aovs.clone(),
+    })
+}
+
+/// `is_coarse` gets the places of a region in world space and its deviation there.
+fn diced(
+    context: &WorkContext<'_>,
+    scene: &Scene,
+    surfaces: &[Surface<'_>],
+    is_coarse: &(dyn Fn(&[DVec3], f64) -> bool + Sync),
+) -> Result<Vec<Dicing>> {
+    let mut left = MOST_TRIANGLES;
+    let mut all = Vec::with_capacity(surfaces.len());
+    for (mesh, surface) in surfaces.iter().enumerate() {
+        let worlds: Vec<(DMat4, f64)> = scene
+            .instances
+            .iter()
+            .filter(|i| i.mesh == mesh)
+            .map(|i| (world(&i.world_from_mesh), enlargement(&i.world_from_mesh)))
+            .collect();
+        let wants_more = |region: &Region<'_>| {
+            worlds.iter().any(|(world, enlarged)| {
+                let places: Vec<DVec3> = region.positions.iter().map(|p| world.transform_point3(*p)).collect();
+                is_coarse(&places, region.deviation * enlarged)
+            })
+        };
+        let limits = Limits { max_triangles: left, ..Limits::default() };
+        let dicing = dice(surface, &limits, context.cancel, &wants_more)?;
+        left = left.saturating_sub(dicing.triangles.len());
+        all.push(dicing);
+    }
+    Ok(all)
+}
+
+fn world(world_from_mesh: &[f32; 16]) -> DMat4 {
+    DMat4::from_cols_array(&world_from_mesh.map(f64::from))
+}
+
+fn bounds(scene: &Scene, dicings: &[Dicing]) -> [[f32; 3]; 2] {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for instance in &scene.instances {
+        let world = world(&instance.world_from_mesh);
+        for p in &dicings[instance.mesh].positions {
+            let p = world.transform_point3(*p);
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    if low.is_finite() && high.is_finite() { [low, high].map(|p| p.as_vec3().to_array()) } else { scene.bounds }
+}
+
+/// How large the world looks.
+struct Lens {
+    eye: DVec3,
+    /// Pixels of a world unit: at distance 1, or everywhere.
+    pixels: f64,
+    is_perspective: bool,
+    nearest: f64,
+}
+
+impl Lens {
+    fn new(camera: &RenderCamera, height: u32, nearest: f64) -> Self {
+        Self {
+            eye: DVec3::from_array(camera.eye_world.map(f64::from)),
+            pixels: 0.5 * f64::from(height) * f64::from(camera.clip_from_view[5]).abs(),
+            is_perspective: camera.clip_from_view[15] == 0.0,
+            nearest,
+        }
+    }
+
+    /// At most so many pixels does a length look like in a region.
+    fn pixels(&self, places: &[DVec3], world: f64) -> f64 {
+        if !self.is_perspective {
+            return world * self.pixels;
+        }
+        let distance = |p: &DVec3| p.distance(self.eye);
+        let extent = places.iter().map(|p| p.distance(places[0])).fold(0.0, f64::max);
+        let nearest = places.iter().map(distance).fold(f64::INFINITY, f64::min) - world - 0.5 * extent;
+        world * self.pixels / nearest.max(self.nearest)
+    }
+}
+
+fn oracle_mesh(scene: &Scene, mesh: usize, surface: &Surface<'_>, dicing: &Dicing) -> OracleMesh {
+    let base = &scene.meshes[mesh].mesh;
+    let colors = base.attribute("COLOR_0");
+    let mut made = OracleMesh::default();
+    let (mut normals, mut uvs, mut rgba) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, corners) in dicing.triangles.iter().enumerate() {
+        let t = dicing.base[k] as usize;
+        if k == 0 || dicing.base[k - 1] != dicing.base[k] {
+            let material = base.primitives[base.triangles[t].primitive as usize].material;
+            made.material_of_triangles.push((k as u32, material.unwrap_or(scene.materials.len()) as u32));
+        }
+        for (corner, at) in corners.iter().zip(dicing.at[k]) {
+            made.positions.push(dicing.positions[*corner as usize]);
+            normals.push(surface.position_and_normal(t, at).1.as_vec3().to_array());
+            uvs.push(uv(base, &scene.materials, t, at));
+            rgba.extend(colors.map(|colors| color(base, colors, t, at)));
+        }
+    }
+    made.material_of_triangles.dedup_by_key(|(_, material)| *material);
+    made.triangles = Arc::new((0..dicing.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
+    (made.normals, made.uvs, made.colors) = (Arc::new(normals), Arc::new(uvs), Arc::new(rgba));
+    let enlarged = scene.instances.iter().filter(|i| i.mesh == mesh).map(|i| enlargement(&i.world_from_mesh));
+    let residual = f64::from(dicing.residual.iter().copied().fold(0.0, f32::max));
+    made.residual_world = residual * enlarged.fold(0.0, f64::max);
+    made
+}
+
+/// In the set that the base colour map of the triangle's material reads.
+fn uv(mesh: &Mesh, materials: &[Material], t: usize, at: DVec3) -> [f32; 2] {
+    let primitive = mesh.triangles[t].primitive as usize;
+    let texture = mesh.primitives[primitive].material.and_then(|m| materials[m].base_color.as_ref());
+    let set = mesh.attribute(&format!("TEXCOORD_{}", texture.map_or(0, |t| t.uv_set)));
+    set.map_or([0.0; 2], |set| [0, 1].map(|k| blended(mesh, set, t, at, k)))
+}
+
+/// RGBA, white where the primitive has none.
+fn color(mesh: &Mesh, colors: &Attribute, t: usize, at: DVec3) -> [f32; 4] {
+    if !colors.primitives[mesh.triangles[t].primitive as usize] {
+        return [1.0; 4];
+    }
+    std::array::from_fn(|k| if k < colors.components { blended(mesh, colors, t, at, k) } else { 1.0 })
+}
+
+fn blended(mesh: &Mesh, attribute: &Attribute, t: usize, at: DVec3, k: usize) -> f32 {
+    let value = |corner: usize| {
+        let av = mesh.triangles[t].av[corner] as usize;
+        f64::from(attribute.values[av * attribute.components + k])
+    };
+    (at.x * value(0) + at.y * value(1) + at.z * value(2)) as f32
+}

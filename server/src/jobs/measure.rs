@@ -1,0 +1,167 @@
+//! The job that measures a mesh against another, or against the surface a detail describes. No device: the oracle
+//! works on the job's thread and its helpers.
+
+use super::{
+    Output, Work, WorkContext, WorkOutput,
+    inputs::{self, Inputs, timed},
+    work::canonical,
+};
+use crate::{
+    domain::{
+        ErrorKind, Result, gltf,
+        gltf::Painted,
+        report::Report,
+        request::{MeasureRequest, Method},
+        scene::Scene,
+    },
+    oracle::{
+        dicing::{Dicing, Limits, dice},
+        measure::{Measured, colors, measure},
+        sheet::{Sheet, SheetBuilder, enlargement},
+        surface::{SeamChoice, Surface},
+    },
+};
+
+/// Triangles a surface is diced into at most, over all meshes; it is known more exactly where that decides.
+const MOST_TRIANGLES: usize = 3_000_000;
+/// A surface is first diced to so many times the precision.
+const COARSE: f64 = 4.0;
+/// Colours of the scale beside a painted mesh.
+const SCALE_STEPS: usize = 33;
+
+pub(super) struct MeasureWork {
+    pub(super) request: MeasureRequest,
+}
+
+impl Work for MeasureWork {
+    fn kind(&self) -> &'static str {
+        "measure"
+    }
+
+    fn method(&self) -> &'static str {
+        "meshes"
+    }
+
+    fn canonical(&self) -> Vec<u8> {
+        canonical(&self.request)
+    }
+
+    fn host_bytes(&self) -> u64 {
+        self.request.assets().iter().map(|asset| asset.size_bytes).sum()
+    }
+
+    fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
+        let request = &self.request;
+        let mut passes = Vec::new();
+        let reference = Inputs::load(context.assets, context.limits, &context.job(), &request.reference)?;
+        let read = || inputs::scene(context.assets, &request.mesh, &request.resources);
+        let scene = timed(context.progress, "read_result", &mut passes, read)?;
+        context.cancel.check()?;
+        let precision = request.precision * reference.scene.diagonal;
+        let surfaces = self.surfaces(&reference);
+        let dicings =
+            timed(context.progress, "dice", &mut passes, || diced(context, &reference, &surfaces, precision))?;
+        let (a, b) = (reference_sheet(&reference.scene, &surfaces, &dicings), plain_sheet(&scene));
+        let diagonal = reference.scene.diagonal;
+        let measured = timed(context.progress, "measure", &mut passes, || {
+            measure(&a, &b, precision, diagonal, context.cancel, context.progress)
+        })?;
+        let outputs = if request.colors { vec![painted(&b, &measured)?] } else { Vec::new() };
+        let mut warnings = reference.scene.warnings.clone();
+        warnings.extend(scene.warnings);
+        warnings.extend(measured.warnings);
+        let triangles = |sheet: &Sheet<'_>| sheet.triangles.len() as u64;
+        let report = Report {
+            measurement: Some(measured.measurement),
+            triangles_in: triangles(&a),
+            triangles: triangles(&b),
+            vertices: b.positions.len() as u64,
+            warnings,
+            passes,
+            ..Report::default()
+        };
+        Ok(WorkOutput { report, outputs })
+    }
+}
+
+impl MeasureWork {
+    /// The surface of each mesh of the reference; none where the mesh itself is the reference.
+    fn surfaces<'i>(&self, reference: &'i Inputs) -> Vec<Surface<'i>> {
+        if self.request.reference.method == Method::Flat {
+            return Vec::new();
+        }
+        let choice = SeamChoice::from(&self.request.reference.geometry);
+        reference.scene.meshes.iter().zip(&reference.details).map(|(m, d)| Surface::new(&m.mesh, d, choice)).collect()
+    }
+}
+
+/// As coarse as it must be to fit.
+fn diced(
+    context: &WorkContext<'_>,
+    reference: &Inputs,
+    surfaces: &[Surface<'_>],
+    precision: f64,
+) -> Result<Vec<Dicing>> {
+    let mut residual_world = COARSE * precision;
+    loop {
+        match diced_to(context, reference, surfaces, residual_world) {
+            Err(error) if error.kind == ErrorKind::TooLarge && residual_world < 1e3 * reference.scene.diagonal => {
+                residual_world *= 4.0;
+            }
+            result => return result,
+        }
+    }
+}
+
+fn diced_to(
+    context: &WorkContext<'_>,
+    reference: &Inputs,
+    surfaces: &[Surface<'_>],
+    residual_world: f64,
+) -> Result<Vec<Dicing>> {
+    let mut left = MOST_TRIANGLES;
+    let mut all = Vec::with_capacity(surfaces.len());
+    for (mesh, surface) in surfaces.iter().enumerate() {
+        let instances = reference.scene.instances.iter().filter(|instance| instance.mesh == mesh);
+        let enlarged = instances.map(|instance| enlargement(&instance.world_from_mesh)).fold(0.0, f64::max);
+        let limits = Limits { max_triangles: left, ..Limits::default() };
+        let wants_more = |region: &crate::oracle::dicing::Region<'_>| region.deviation * enlarged > residual_world;
+        let dicing = dice(surface, &limits, context.cancel, &wants_more)?;
+        left = left.saturating_sub(dicing.triangles.len());
+        all.push(dicing);
+    }
+    Ok(all)
+}
+
+fn reference_sheet<'s>(scene: &Scene, surfaces: &'s [Surface<'s>], dicings: &'s [Dicing]) -> Sheet<'s> {
+    if surfaces.is_empty() {
+        return plain_sheet(scene);
+    }
+    let mut builder = SheetBuilder::default();
+    for instance in &scene.instances {
+        builder.surface(&surfaces[instance.mesh], &dicings[instance.mesh], &instance.world_from_mesh);
+    }
+    builder.build()
+}
+
+fn plain_sheet<'s>(scene: &Scene) -> Sheet<'s> {
+    let mut builder = SheetBuilder::default();
+    for instance in &scene.instances {
+        builder.mesh(&scene.meshes[instance.mesh].mesh, &instance.world_from_mesh);
+    }
+    builder.build()
+}
+
+fn painted(sheet: &Sheet<'_>, measured: &Measured) -> Result<Output> {
+    let positions: Vec<[f32; 3]> = sheet.positions.iter().map(|p| p.as_vec3().to_array()).collect();
+    let (of_vertex, largest) = colors(&measured.of_vertex);
+    let steps: Vec<f64> = (0..SCALE_STEPS).map(|step| step as f64 / (SCALE_STEPS - 1) as f64).collect();
+    let bytes = gltf::write_painted(&Painted {
+        positions: &positions,
+        triangles: &sheet.triangles,
+        colors: &of_vertex,
+        range: [0.0, largest],
+        scale: &colors(&steps).0,
+    })?;
+    Ok(Output { name: "error.glb".into(), media_type: "model/gltf-binary".into(), bytes: bytes.into() })
+}
