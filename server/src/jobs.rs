@@ -5,6 +5,7 @@
 //! tells every listener. Not here: what work does (`displace`, `render`) and how it is asked for (`grpc`).
 
 mod admission;
+mod cautions;
 mod displace;
 mod images;
 mod inputs;
@@ -16,6 +17,7 @@ mod render;
 mod seams;
 mod standard;
 mod statistics;
+mod strain;
 mod work;
 
 pub use job::{Finished, JobEvent, Listener};

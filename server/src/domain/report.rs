@@ -13,6 +13,8 @@ pub struct Report {
     /// Result triangles that face against their base triangle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flipped: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<Stretch>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -28,6 +30,15 @@ pub struct Seams {
     pub mismatch_max: f64,
 }
 
+/// How much the displacement stretches the base: the largest factor by which it lengthens any direction on a
+/// result triangle, 1 where it stretches nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stretch {
+    /// 99 of 100 result triangles are stretched no more.
+    pub p99: f64,
+    pub max: f64,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
     pub code: String,
@@ -37,6 +48,13 @@ pub struct Warning {
 impl Warning {
     pub fn new(code: &str, message: impl Into<String>) -> Self {
         Self { code: code.into(), message: message.into() }
+    }
+
+    /// `figure` has no proven bound, for the reason `why`: it must not be read as one.
+    #[must_use]
+    pub fn estimated_not_certified(figure: &str, why: &str) -> Self {
+        let message = format!("{figure} is an estimate from samples and may be too low: {why}");
+        Self::new("estimated_not_certified", message)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, images, inputs, inputs::Inputs, seams, strain,
     work::canonical,
 };
 use crate::{
@@ -48,7 +48,11 @@ impl Work for RenderWork {
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..inputs.counts() };
-        seams::describe(&mut report, &mut inputs.scene, &surfaces);
+        inputs::timed(context.progress, "check_surface", &mut passes, || {
+            seams::describe(&mut report, &mut inputs.scene, &surfaces);
+            strain::describe(&mut report, &mut inputs.scene, &surfaces);
+            Ok(())
+        })?;
         context.cancel.check()?;
         let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
