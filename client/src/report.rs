@@ -35,6 +35,9 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     if let Some(flipped) = report.flipped {
         value["flipped"] = flipped.into();
     }
+    if let Some(stretch) = &report.stretch {
+        value["stretch"] = json!({ "p99": stretch.p99, "max": stretch.max });
+    }
     value["warnings"] = warnings_json(&report.warnings);
     value["passes"] =
         report.passes.iter().map(|pass| json!({ "name": pass.name, "ms": pass.ms, "bytes": pass.bytes })).collect();
@@ -74,6 +77,9 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
     }
     if let Some(flipped) = report.flipped {
         let _ = writeln!(text, "flipped triangles: {}", count(flipped));
+    }
+    if let Some(stretch) = &report.stretch {
+        let _ = writeln!(text, "stretch: 99 % at most {:.3}, largest {:.3}", stretch.p99, stretch.max);
     }
     let stored = if report.cached { ", stored before this call" } else { "" };
     let _ = writeln!(text, "{} on {}{stored}", duration_ms(report.total_ms), report.device);

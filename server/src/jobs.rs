@@ -7,6 +7,7 @@
 
 mod admission;
 mod compare;
+mod cautions;
 mod displace;
 mod exact;
 mod images;
@@ -20,6 +21,7 @@ mod render;
 mod seams;
 mod standard;
 mod statistics;
+mod strain;
 mod work;
 
 pub use job::{Finished, JobEvent, Listener};

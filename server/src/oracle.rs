@@ -16,21 +16,29 @@
 //! | `height_field.rs` | where a ray meets a map first |
 //! | `ray.rs` | what a ray hits first, without leaks |
 //! | `image.rs` | what a scene of triangles looks like |
+//! | `predicates.rs` | on which side of a line or plane a point lies, exactly |
+//! | `topology.rs` | which corners of triangles are one place, and which edges they share |
+//! | `invariants.rs` | whether a mesh or surface keeps what it must |
+//! | `facts.rs` | area, volume, stretch, self-intersections and the like of one mesh |
 
 pub mod bvh;
 pub mod cracks;
 pub mod dicing;
+pub mod facts;
 pub mod field;
 pub mod hausdorff;
 pub mod height_field;
 pub mod image;
 pub mod interval_jet;
+pub mod invariants;
 pub mod measure;
 pub mod metrics;
 pub mod parameter;
+pub mod predicates;
 pub mod ray;
 pub mod sheet;
 pub mod surface;
 #[cfg(test)]
 mod test_maps;
+pub mod topology;
 pub mod triangle_error;

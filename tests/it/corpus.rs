@@ -5,14 +5,16 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use bytes::Bytes;
-use displace_server::domain::{gltf, mesh::Mesh, scene::Scene};
+use displace_server::{
+    domain::{gltf, mesh::Mesh, scene::Scene},
+    oracle::invariants::{boundary_edges, indices, not_finite},
+};
 use displace_tests::{
     cli::Run,
     corpus::{self, Expect, Model},
     data::sample,
     device,
     glb::{self, Part},
-    invariants::{assert_finite, boundary_edges},
     server,
 };
 
@@ -99,10 +101,12 @@ fn lacks_uvs(mesh: &Path) -> bool {
 fn check_glb(path: &Path, open_edges: &BTreeMap<usize, u64>) -> Result<(), String> {
     let parts = glb::read(&fs::read(path).expect("the result was written"));
     for part in &parts {
-        assert_finite(&path.display().to_string(), &part.positions);
-        assert_finite(&path.display().to_string(), &part.normals);
-        let vertices = part.positions.len();
-        assert!(part.triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices), "{}", path.display());
+        let broken = [
+            not_finite("positions_finite", &part.positions),
+            not_finite("normals_finite", &part.normals),
+            indices(part.positions.len(), &part.triangles),
+        ];
+        assert_eq!(broken, [None, None, None], "{}", path.display());
     }
     for (&mesh, &open) in open_edges {
         let parts: Vec<Part> = parts.iter().filter(|part| part.mesh == mesh).cloned().collect();

@@ -1,5 +1,5 @@
 //! The harness of the integration tests and benchmarks: procedural meshes and maps, sample data, the
-//! corpus, a validated device, goldens, and the invariants every result must keep.
+//! corpus, a validated device, and goldens.
 //!
 //! It drives the packages from outside; nothing here is used by them.
 
@@ -9,7 +9,6 @@ pub mod data;
 pub mod device;
 pub mod glb;
 pub mod golden;
-pub mod invariants;
 pub mod maps;
 pub mod meshes;
 pub mod server;

@@ -64,6 +64,19 @@ pub fn torus(major: u32, minor: u32) -> TestMesh {
     mesh
 }
 
+/// The inside of an open tube of radius 1 and length 2 round the y axis: it faces its axis.
+#[must_use]
+pub fn concave_cylinder(columns: u32, rows: u32) -> TestMesh {
+    let mut mesh = TestMesh::grid("concave_cylinder", columns, rows, |i, j| {
+        [f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)]
+    });
+    mesh.fill(columns, rows, |i, j| {
+        let (s, c) = (TAU * f64::from(i % columns) / f64::from(columns)).sin_cos();
+        ([c, 2.0 * f64::from(j) / f64::from(rows) - 1.0, s], [-c, 0.0, -s])
+    });
+    mesh
+}
+
 /// A strip with a half twist: one side, one border, opposite windings where it closes.
 #[must_use]
 pub fn moebius(columns: u32, rows: u32) -> TestMesh {
@@ -246,7 +259,7 @@ mod tests {
     #[test]
     fn every_triangle_faces_the_way_of_its_normals() {
         // A Moebius strip has no outside; each of its triangles still agrees with its own corners.
-        for mesh in all() {
+        for mesh in all().into_iter().chain([concave_cylinder(12, 3)]) {
             for &triangle in &mesh.triangles {
                 let [p, q, r] = triangle.map(|i| glam::Vec3::from(mesh.positions[i as usize]));
                 let normal: glam::Vec3 = triangle.iter().map(|&i| glam::Vec3::from(mesh.normals[i as usize])).sum();

@@ -21,6 +21,8 @@ pub struct Report {
     /// What `measure` found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measurement: Option<Measurement>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<Stretch>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -57,6 +59,15 @@ pub struct Comparison {
     pub hit_error_px: Option<f64>,
 }
 
+/// How much the displacement stretches the base: the largest factor by which it lengthens any direction on a
+/// result triangle, 1 where it stretches nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stretch {
+    /// 99 of 100 result triangles are stretched no more.
+    pub p99: f64,
+    pub max: f64,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
     pub code: String,
@@ -66,6 +77,13 @@ pub struct Warning {
 impl Warning {
     pub fn new(code: &str, message: impl Into<String>) -> Self {
         Self { code: code.into(), message: message.into() }
+    }
+
+    /// `figure` has no proven bound, for the reason `why`: it must not be read as one.
+    #[must_use]
+    pub fn estimated_not_certified(figure: &str, why: &str) -> Self {
+        let message = format!("{figure} is an estimate from samples and may be too low: {why}");
+        Self::new("estimated_not_certified", message)
     }
 }
 

@@ -1,7 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, strain,
+    work::canonical,
 };
 use crate::{
     domain::{
@@ -40,7 +41,11 @@ impl Work for DisplaceWork {
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &self.request)?;
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
-        seams::describe(&mut report, &mut inputs.scene, &surfaces);
+        inputs::timed(context.progress, "check_surface", &mut passes, || {
+            seams::describe(&mut report, &mut inputs.scene, &surfaces);
+            strain::describe(&mut report, &mut inputs.scene, &surfaces);
+            Ok(())
+        })?;
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);

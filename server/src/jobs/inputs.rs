@@ -16,13 +16,13 @@ use crate::{
         gltf, look, maps,
         mesh::Mesh,
         plan::SurfacePlan,
-        report::{Estimate, PassTime, Report, Warning},
+        report::{Estimate, PassTime, Report},
         request::{DisplaceRequest, Method},
         scene::Scene,
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext},
+    jobs::{AssetReader, JobLimits, WorkContext, cautions},
     render::JobContext,
 };
 
@@ -248,7 +248,11 @@ fn fitted(scene: &mut Scene, details: &maps::Details) -> Result<Vec<Vec<Option<A
         if (0..of_primitive.len()).any(|p| tangent_uv_set(p).is_some()) {
             scene_mesh.mesh = weld::with_tangents(&scene_mesh.mesh, tangent_uv_set)?;
         }
-        warn_of_terraces(&of_primitive, warnings);
+        for (p, detail) in of_primitive.iter().enumerate() {
+            let Some(detail) = detail else { continue };
+            cautions::of_terraces(&scene_mesh.mesh, p, detail, warnings);
+            cautions::of_tangents(&scene_mesh.mesh, p, detail, warnings);
+        }
         all.push(of_primitive);
     }
     Ok(all)
@@ -275,24 +279,6 @@ fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
             mesh.name, mesh.primitives[primitive].gltf_primitive
         ),
     ))
-}
-
-/// An 8-bit height map has 256 levels; stretched over a large scale they show as terraces.
-fn warn_of_terraces(details: &[Option<Arc<Detail>>], warnings: &mut Vec<Warning>) {
-    const CODE: &str = "eight_bit_terraces";
-    let layers = details.iter().flatten().flat_map(|d| &d.layers);
-    let eight_bit = |source: &LayerSource| match source {
-        LayerSource::Height(map) => map.source_bits == 8,
-        _ => false,
-    };
-    let coarse = layers.filter(|l| eight_bit(&l.source)).map(|l| l.scale.abs()).fold(0.0, f32::max);
-    if coarse > 0.0 && !warnings.iter().any(|w| w.code == CODE) {
-        let step = coarse / 255.0;
-        warnings.push(Warning::new(
-            CODE,
-            format!("a height map has 8 bits: heights come in steps of {step} local units and may show as terraces; 16 bits or float avoid it"),
-        ));
-    }
 }
 
 fn plans(scene: &Scene, request: &DisplaceRequest) -> Result<Vec<SurfacePlan>> {

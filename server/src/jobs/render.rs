@@ -2,7 +2,8 @@
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, images, inputs, inputs::Inputs,
-    seams, work::canonical,
+    seams, strain,
+    work::canonical,
 };
 use crate::{
     domain::{
@@ -81,7 +82,11 @@ impl RenderWork {
     fn take(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
         let request = &self.request;
         let (surfaces, mut passes) = inputs.displaced(context)?;
-        seams::describe(report, &mut inputs.scene, &surfaces);
+        inputs::timed(context.progress, "check_surface", &mut passes, || {
+            seams::describe(report, &mut inputs.scene, &surfaces);
+            strain::describe(report, &mut inputs.scene, &surfaces);
+            Ok(())
+        })?;
         context.cancel.check()?;
         let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;

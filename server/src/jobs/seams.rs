@@ -1,4 +1,4 @@
-//! What a report says of seams and folds, measured on the result.
+//! What a report says of seams, measured on the result.
 
 use glam::DVec3;
 
@@ -9,14 +9,12 @@ use crate::domain::{
     surface::Surface,
 };
 
-/// Fills in the seam figures and warns where the result is not what the detail asks for.
+/// Fills in the seam figures and warns where the sides of a seam disagree.
 pub(super) fn describe(report: &mut Report, scene: &mut Scene, surfaces: &[Surface]) {
     let meshes = scene.meshes.iter().map(|m| &m.mesh);
     let gap_max = meshes.zip(surfaces).map(|(mesh, surface)| gap(mesh, surface)).fold(0.0, f64::max);
     let mismatch_max = surfaces.iter().map(|s| f64::from(s.mismatch_max)).fold(0.0, f64::max);
     report.seams = Some(Seams { gap_max, mismatch_max });
-    let flipped = surfaces.iter().map(|s| s.flipped).sum();
-    report.flipped = Some(flipped);
     let shows = |(m, s): (&SceneMesh, &Surface)| f64::from(s.mismatch_max) > 1e-4 * diagonal(&m.mesh);
     if scene.meshes.iter().zip(surfaces).any(shows) {
         scene.warnings.push(Warning::new(
@@ -24,18 +22,10 @@ pub(super) fn describe(report: &mut Report, scene: &mut Scene, surfaces: &[Surfa
             format!("the sides of a seam ask for heights up to {mismatch_max:.4} local units apart: the map does not tile across it; the surface was closed by a ramp"),
         ));
     }
-    if flipped > 0 {
-        scene.warnings.push(Warning::new(
-            "flipped_triangles",
-            format!(
-                "{flipped} triangles face against their base: the displacement folds the surface over; lower the scale"
-            ),
-        ));
-    }
 }
 
 /// Of the box of the base mesh, local units.
-fn diagonal(mesh: &Mesh) -> f64 {
+pub(super) fn diagonal(mesh: &Mesh) -> f64 {
     let points = || mesh.gv_position.iter().map(|p| DVec3::from_array(p.map(f64::from)));
     let low = points().fold(DVec3::INFINITY, DVec3::min);
     let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);

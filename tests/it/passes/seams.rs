@@ -1,6 +1,7 @@
 //! Watertightness: whatever the map, the mesh and the rule, positions of one place are one.
 
-use displace_tests::{invariants, meshes};
+use displace_server::oracle::invariants;
+use displace_tests::meshes;
 
 use super::*;
 
@@ -21,17 +22,13 @@ fn noisy_details() -> Vec<Arc<Detail>> {
 fn no_mesh_cracks_under_noise() {
     for source in meshes::all() {
         let mesh = welded_with_tangents(&source);
-        let borders = invariants::boundary_edges(&source.positions, &source.triangles);
         for detail in noisy_details() {
             for (seams, feather_texels) in rules() {
                 for level in [0, 1, 3] {
                     let g = Geometry { seams, feather_texels, ..geometry(level) };
                     let surface = run(vulkan(), &mesh, &g, Some(&detail));
-                    invariants::assert_finite(mesh.name.as_str(), &surface.positions);
-                    invariants::assert_finite(mesh.name.as_str(), &surface.normals);
-                    invariants::assert_one_position_per_place(&mesh, &surface);
-                    let after = invariants::boundary_edges(&surface.positions, &surface.triangles);
-                    assert_eq!(after, borders << level, "{} {seams:?} {feather_texels} level {level}", mesh.name);
+                    let what = format!("{} {seams:?} {feather_texels} level {level}", mesh.name);
+                    assert_eq!(invariants::of_surface(&mesh, &surface), [], "{what}");
                 }
             }
         }
@@ -53,8 +50,7 @@ fn primitives_with_different_details_stay_together() {
     let details = [Some(height(noise([32, 32], 1), 0.2)), None];
     for executor in [vulkan() as &dyn Executor, &ReferenceExecutor] {
         let (surface, _) = executor.displace(&job, &planned(&mesh, &geometry(3)), &mesh, &details).expect("runs");
-        invariants::assert_one_position_per_place(&mesh, &surface);
-        assert_eq!(invariants::boundary_edges(&surface.positions, &surface.triangles), 0);
+        assert_eq!(invariants::of_surface(&mesh, &surface), []);
         assert!(surface.mismatch_max > 0.05, "{}", surface.mismatch_max);
     }
 }
@@ -104,8 +100,7 @@ fn degenerate_texture_coordinates_do_no_harm() {
     let mesh = welded_with_tangents(&source);
     for detail in noisy_details() {
         let surface = run(vulkan(), &mesh, &geometry(2), Some(&detail));
-        invariants::assert_finite("positions", &surface.positions);
-        invariants::assert_finite("normals", &surface.normals);
+        assert_eq!(invariants::of_surface(&mesh, &surface), []);
         assert!(surface.normals.iter().all(|n| (glam::Vec3::from(*n).length() - 1.0).abs() < 1e-5));
     }
 }
@@ -130,7 +125,7 @@ fn crowded_vertices_are_answered_in_time_and_crowded_edges_refused() {
     let detail = height(noise([64, 64], 1), 0.2);
     let fan = sheets(20_000, false);
     let surface = run(vulkan(), &fan, &geometry(0), Some(&detail));
-    invariants::assert_one_position_per_place(&fan, &surface);
+    assert_eq!(invariants::one_position_per_place(&fan, &surface), None);
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
     let book = sheets(100, true);
     let error = vulkan().displace(&job, &planned(&book, &geometry(1)), &book, &[Some(detail)]).expect_err("refused");

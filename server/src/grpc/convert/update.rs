@@ -57,6 +57,7 @@ fn to_report(report: &Report) -> v1::Report {
         vertices: report.vertices,
         seams: seams.map(|seams| v1::Seams { gap_max: seams.gap_max, mismatch_max: seams.mismatch_max }),
         flipped: report.flipped,
+        stretch: report.stretch.map(|stretch| v1::Stretch { p99: stretch.p99, max: stretch.max }),
         warnings: report.warnings.iter().map(to_warning).collect(),
         passes: report.passes.iter().map(to_pass).collect(),
         total_ms: report.total_ms,
