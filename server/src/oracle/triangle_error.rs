@@ -10,7 +10,8 @@
 //! is its edges: where several of its points fall on one texel place, L is extreme at edges too.
 //!
 //! Cost: about one texel per texel of area and four per lattice line that an edge crosses, however many periods
-//! of the map that is. Memory: none. Measured on one core: 4 ns per texel of area, 40 ns per crossed line.
+//! of the map that is: some 10 ns a texel and 60 ns a line on a slow core. Whoever takes triangles from outside bounds
+//! their texels first. No memory.
 
 use std::iter;
 

@@ -81,15 +81,12 @@ impl Course {
         i64::from(direction > 0.0) - i64::from(direction < 0.0)
     }
 
-    /// The column or row in which the ray is just after its start.
+    /// The column or row in which the ray starts, or one that it has just left.
     fn first_cell(&self, axis: usize) -> i64 {
         let mut cell = self.place(self.ray.from)[axis].floor() as i64;
-        // Rounding may put the start on the other side of a line than the line's crossing.
+        // Rounding may put the start beyond a line that is crossed later.
         while self.between(axis, cell, cell + 1)[0] > self.ray.from {
             cell -= self.step(axis);
-        }
-        while self.between(axis, cell, cell + 1)[1] <= self.ray.from {
-            cell += self.step(axis);
         }
         cell
     }

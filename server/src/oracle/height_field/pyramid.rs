@@ -139,9 +139,9 @@ impl Level {
 }
 
 /// Least and greatest corner of a cell in every tile: at the ends of a period two texels may lie on one place, of
-/// which each tile shows one; three tiles show all there are.
+/// which each tile shows one; two tiles show both.
 fn cell_bounds(field: &Field, channel: u32, tile: Lattice, cell: Lattice) -> Bounds {
-    let tiles = |axis: usize| if cell[axis] == 0 || cell[axis] + 1 == tile[axis] { 0..3 } else { 0..1 };
+    let tiles = |axis: usize| if cell[axis] == 0 || cell[axis] + 1 == tile[axis] { 0..2 } else { 0..1 };
     united(tiles(1).flat_map(|v| tiles(0).map(move |u| [u, v])).flat_map(|[u, v]| {
         let texels = field.cell(channel, cell[0] + u * tile[0], cell[1] + v * tile[1]);
         texels.map(|texel| [texel as f32; 2])

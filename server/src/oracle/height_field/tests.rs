@@ -55,6 +55,13 @@ fn any_ray(random: &mut Random) -> Segment {
     Segment { origin: place.with_z(z) - direction * from, direction, from, to: from + length }
 }
 
+/// The same ray through a lattice point of the surface, as near as it can be said.
+fn aimed(random: &mut Random, field: &Field, ray: &Segment) -> Segment {
+    let [x, y] = [0; 2].map(|_| random.between(-20.0, 80.0).floor());
+    let texel = DVec3::new(x, y, field.texel(0, x as i64, y as i64));
+    Segment { origin: texel - ray.direction * random.between(ray.from, ray.to), ..*ray }
+}
+
 fn agree_on(maps: u32, rays: u32) {
     let mut random = Random(11);
     let (mut hits, mut misses) = (0, 0);
@@ -63,6 +70,7 @@ fn agree_on(maps: u32, rays: u32) {
         let pyramid = Pyramid::new(&field, 0);
         for _ in 0..rays {
             let ray = any_ray(&mut random);
+            let ray = if random.unit() < 0.2 { aimed(&mut random, &field, &ray) } else { ray };
             let (cells, tree) = (walk_cells(&field, 0, &ray), pyramid.walk(&ray));
             assert_eq!(bits(cells.hit), bits(tree.hit), "{ray:?} on {field:?}");
             let z = [ray.from, ray.to].map(|t| ray.origin.z + ray.direction.z * t);
@@ -88,6 +96,7 @@ fn small_steps_find_nothing_earlier() {
     let mut random = Random(12);
     for _ in 0..1500 {
         let (field, ray) = (any_field(&mut random), any_ray(&mut random));
+        let ray = if random.unit() < 0.2 { aimed(&mut random, &field, &ray) } else { ray };
         let hit = first_hit(&field, &ray);
         let gap = |t: f64| {
             let p = ray.origin + ray.direction * t;

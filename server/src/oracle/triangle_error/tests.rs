@@ -1,6 +1,6 @@
 //! The exact deviation against sampling, against a one-dimensional maximiser, and where it is known by hand.
 
-use std::sync::Arc;
+use std::{hint::black_box, sync::Arc, time::Instant};
 
 use glam::{DVec2, DVec3};
 
@@ -218,4 +218,26 @@ fn a_plane_is_met_exactly() {
     let heights = corners.map(|c| 3.0 * c.x + 2.0 * c.y);
     assert!(max_error(&field, 0, corners, heights) < 1e-12);
     assert!((max_error(&field, 0, corners, heights.map(|h| h + 0.5)) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+#[ignore = "a measurement, run by hand: cargo test -p displace-server --lib triangle_error -- --ignored --nocapture"]
+fn time_per_texel() {
+    let mut random = Random(4);
+    let texels = (0..1 << 18).map(|_| random.unit() as f32).collect();
+    let field = field(512, 512, texels, Wrap::Repeat);
+    for size in [0.1, 1.0, 4.0, 16.0, 64.0, 400.0] {
+        let corner = |x: f64, y: f64| DVec2::new(20.3, 31.7) + size * DVec2::new(x, y);
+        let corners = [corner(0.0, 0.1), corner(1.0, 0.0), corner(0.4, 1.0)];
+        let time = || {
+            let start = Instant::now();
+            black_box((0..20).map(|_| max_error(&field, 0, black_box(corners), [0.5; 3])).sum::<f64>());
+            start.elapsed().as_nanos() as f64 / 20.0
+        };
+        // The least of many short rounds: other processes only add to it.
+        let ns = (0..200).map(|_| time()).fold(f64::INFINITY, f64::min);
+        let texels = 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
+        println!("{size:5} texels wide: {ns:9.0} ns, {:7.1} ns a texel of area", ns / texels);
+    }
+    assert!(max_error(&field, 0, [DVec2::ZERO; 3], [2.0; 3]) > 1.0);
 }
