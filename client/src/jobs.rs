@@ -60,7 +60,7 @@ pub(crate) async fn run(connection: &Connection, job: &Job, blobs: &[Blob], prog
     for _ in 0..UPLOADS {
         upload(connection, blobs, &progress).await?;
         match to_the_end(connection, job, progress).await? {
-            Outcome::Done(result) => return Ok(result),
+            Outcome::Done(result) => return Ok(*result),
             Outcome::Missing(error) => tracing::debug!(%error, "uploading again"),
         }
     }
@@ -68,7 +68,7 @@ pub(crate) async fn run(connection: &Connection, job: &Job, blobs: &[Blob], prog
 }
 
 enum Outcome {
-    Done(JobResult),
+    Done(Box<JobResult>),
     Missing(Error),
 }
 
@@ -78,7 +78,7 @@ async fn to_the_end(connection: &Connection, job: &Job, progress: Progress) -> R
     let bar = progress.passes();
     loop {
         let status = match listen(connection, job, &bar, &mut attempts).await {
-            Ok(result) => return Ok(Outcome::Done(result)),
+            Ok(result) => return Ok(Outcome::Done(Box::new(result))),
             Err(status) => status,
         };
         if missing_assets(&status) {

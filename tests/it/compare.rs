@@ -130,7 +130,9 @@ fn an_exr_and_a_png_of_one_view_are_the_same_to_the_eye() {
     let found = compare(&a, &b);
     assert_eq!(keys(&found), ["flip_mean", "flip_p99", "rmse_linear", "ssim"]);
     assert_eq!(found["flip_mean"], 0.0, "both are compared in 8 bits");
-    assert!(found["rmse_linear"].as_f64().unwrap() < 0.003, "{found}");
+    // The highlight is brighter than 1, which the PNG cuts.
+    let rmse = found["rmse_linear"].as_f64().unwrap();
+    assert!((0.01..0.05).contains(&rmse), "{found}");
 }
 
 #[test]
@@ -163,8 +165,9 @@ fn an_image_above_the_limits_of_the_server_is_refused() {
     });
     let run = displace(&["compare", &good, &wide, "--server", &server, "--json"]);
     let error = &run.json()["error"];
-    assert_eq!((run.code, &error["kind"], &error["field"]), (Some(2), &"too_large".into(), &"b".into()), "{run:?}");
-    assert!(error["message"].as_str().unwrap().contains("33 x 1") && run.stderr.contains("32"), "{run:?}");
+    assert_eq!((run.code, &error["kind"]), (Some(2), &"too_large".into()), "{run:?}");
+    let message = error["message"].as_str().unwrap();
+    assert!(message.starts_with("b: ") && message.contains("33 x 1") && message.contains("1 to 32"), "{run:?}");
 }
 
 #[tokio::test(flavor = "multi_thread")]

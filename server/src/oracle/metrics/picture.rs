@@ -60,8 +60,9 @@ impl Limits {
     fn check(self, field: &str, width: u64, height: u64, pixel_bytes: u64) -> Result<()> {
         let most = u64::from(self.max_side);
         let size = format!("the image has {width} x {height} pixels");
-        if width.max(height) > most {
-            return Err(Error::too_large(field, format!("{size}; allowed are up to {most} each way: scale it down")));
+        if width.min(height) == 0 || width.max(height) > most {
+            let message = format!("{size}; allowed are 1 to {most} each way: scale it");
+            return Err(Error::too_large(field, message));
         }
         let needed = width.saturating_mul(height).saturating_mul(BYTES_PER_PIXEL + pixel_bytes);
         if needed > self.max_bytes {
