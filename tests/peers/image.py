@@ -1,15 +1,17 @@
 """Images by rays against Mitsuba 3: the same dense mesh, camera, light, filter and number of samples.
 
-    image.py --displace BIN [--mesh FILE ...] [--out DIR] [--samples N] [--level N]
+    image.py --displace BIN [--mesh FILE ...] [--out DIR] [--grid N] [--level N]
 
 `displace apply` makes a GLB of each mesh (a displaced sphere, and what --mesh names); `displace render
---device reference --supersample N --shadows ray` and Mitsuba make images of it. Mean FLIP of each pair must be
-at most 0.03, and points at pixel centres must agree; exits 1 otherwise. Needs the packages of requirements.txt.
+--device reference --shadows ray` and Mitsuba make images of it, of N x N rays a pixel. Mean FLIP of each pair
+must be at most 0.03, and points at pixel centres must agree; exits 1 otherwise. Needs the packages of
+requirements.txt.
 
-What is Mitsuba's own: the camera, the intersections, the box filter, the `diffuse` reflection of a `directional`
-emitter with its shadows, and the reading of base colour maps. Ambient light without occlusion and the highlight
-of Phong's model it does not have: a small integrator adds them, at Mitsuba's hits and shading normals, with
-Mitsuba's shadow rays.
+What is Mitsuba's own: the camera, the intersections, the `diffuse` reflection of a `directional` emitter with its
+shadows, and the reading of base colour maps. Ambient light without occlusion and the highlight of Phong's model
+it does not have: they are added to each of its samples from the sample's own place, normals and albedo (`aov`),
+the highlight where Mitsuba's own light arrives. Mitsuba therefore renders one jittered sample in each cell of the
+N x N grid of a pixel, and the box filter is their mean.
 """
 
 import argparse
@@ -26,8 +28,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-mi.set_variant("llvm_ad_rgb")
-import drjit as dr  # noqa: E402  (needs the variant)
+mi.set_variant("scalar_rgb")
 
 MOST_FLIP = 0.03
 # Of the scene's size: Mitsuba traces in f32.
@@ -104,23 +105,6 @@ def shape(name: str, part: dict) -> mi.Mesh:
     return mesh
 
 
-class AmbientAndHighlight(mi.SamplingIntegrator):
-    """What Mitsuba has no model of, at Mitsuba's hits."""
-
-    def sample(self, scene, sampler, ray, medium=None, active=True):
-        si = scene.ray_intersect(ray, active)
-        hit, light = si.is_valid(), mi.Vector3f(unit(LIGHT))
-        base = si.bsdf().eval_diffuse_reflectance(si, active & hit)
-        # On the side that is seen.
-        normal = si.sh_frame.n * dr.sign(-dr.dot(si.n, ray.d))
-        cosine = dr.dot(normal, light)
-        mirrored = 2 * cosine * normal - light
-        lit = hit & (cosine > 0) & ~scene.ray_test(si.spawn_ray(light), active & hit & (cosine > 0))
-        highlight = dr.select(lit, HIGHLIGHT * dr.power(dr.maximum(dr.dot(mirrored, -ray.d), 0), SHININESS), 0)
-        color = dr.select(hit, AMBIENT * base + highlight, mi.Color3f(BACKGROUND))
-        return color, active, []
-
-
 def unit(v: np.ndarray) -> list[float]:
     return (v / np.linalg.norm(v)).tolist()
 
@@ -138,39 +122,63 @@ class View:
         place = lambda p: ",".join(repr(float(np.float32(x))) for x in p)  # noqa: E731
         return ["--eye", place(self.eye), "--look-at", place(self.target), "--fov", str(self.fov), "--size", f"{self.size}x{self.size}"]
 
-    def sensor(self, samples: int) -> dict:
+    def sensor(self, grid: int) -> dict:
         to_world = mi.ScalarTransform4f().look_at(self.eye.tolist(), self.target.tolist(), [0, 1, 0])
-        film = {"type": "hdrfilm", "width": self.size, "height": self.size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-        sampler = {"type": "multijitter", "sample_count": samples}
+        side = self.size * grid
+        film = {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
         near_far = {"near_clip": 1e-3 * self.diagonal, "far_clip": 1e3 * self.diagonal}
-        return {"type": "perspective", "fov": self.fov, "fov_axis": "y", "to_world": to_world, "film": film, "sampler": sampler, **near_far}
+        return {"type": "perspective", "fov": self.fov, "fov_axis": "y", "to_world": to_world, "film": film, **near_far}
 
 
-def by_mitsuba(parts: list[dict], view: View, samples: int) -> tuple[np.ndarray, np.ndarray]:
+AOVS = ["depth", "position", "sh_normal", "geo_normal", "albedo"]
+
+
+def by_mitsuba(parts: list[dict], view: View, grid: int) -> tuple[np.ndarray, np.ndarray]:
     """Linear colours, and the points at pixel centres (NaN where nothing is)."""
     scene = mi.load_dict(
         {
             "type": "scene",
-            "sensor": view.sensor(samples),
+            "sensor": view.sensor(grid),
             # diffuse reflects base / pi of the irradiance.
             "sun": {"type": "directional", "direction": [-x for x in unit(LIGHT)], "irradiance": {"type": "rgb", "value": np.pi}},
             **{f"part_{k}": shape(f"part_{k}", part) for k, part in enumerate(parts)},
         }
     )
-    mi.register_integrator("ambient_and_highlight", lambda props: AmbientAndHighlight(props))
-    integrators = [{"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}, {"type": "ambient_and_highlight"}]
-    image = sum(np.array(mi.render(scene, integrator=mi.load_dict(i), spp=samples)) for i in integrators)
-    rows, columns = np.divmod(np.arange(view.size**2), view.size)
-    at = mi.Point2f(((columns + 0.5) / view.size).astype(np.float32), ((rows + 0.5) / view.size).astype(np.float32))
-    ray, _ = scene.sensors()[0].sample_ray(0.0, 0.5, at, mi.Point2f(0.5))
-    si = scene.ray_intersect(ray)
-    points = np.where(np.array(si.is_valid())[:, None], np.array(si.p).T, np.nan)
-    return image, points.reshape(view.size, view.size, 3)
+    direct = {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}
+    integrator = mi.load_dict({"type": "aov", "aovs": ",".join(f"{aov}:{aov}" for aov in AOVS), "image": direct})
+    samples = np.array(mi.render(scene, integrator=integrator, spp=1)).astype(np.float64)
+    color = finished(samples[..., :3], samples[..., 3:4], *np.split(samples[..., 4:], 4, axis=-1), view.eye)
+    cells = color.reshape(view.size, grid, view.size, grid, 3)
+    return cells.mean(axis=(1, 3)), centre_points(scene, view.size)
+
+
+def finished(diffuse, depth, position, normal, facing, albedo, eye) -> np.ndarray:
+    """Adds to samples of Mitsuba what it has no model of."""
+    light, to_eye = np.array(unit(LIGHT)), eye - position
+    to_eye /= np.linalg.norm(to_eye, axis=-1, keepdims=True)
+    dot = lambda a, b: np.sum(a * b, axis=-1, keepdims=True)  # noqa: E731
+    # On the side that is seen.
+    normal = normal * np.sign(dot(facing, to_eye))
+    cosine = dot(normal, light)
+    mirrored = 2 * cosine * normal - light
+    lit = (diffuse.max(axis=-1, keepdims=True) > 0) & (cosine > 0)
+    highlight = np.where(lit, HIGHLIGHT * np.maximum(dot(mirrored, to_eye), 0) ** SHININESS, 0)
+    return np.where(depth > 0, diffuse + AMBIENT * albedo + highlight, BACKGROUND)
+
+
+def centre_points(scene, size: int) -> np.ndarray:
+    sensor, points = scene.sensors()[0], np.full((size, size, 3), np.nan)
+    for y, x in np.ndindex(size, size):
+        ray, _ = sensor.sample_ray(0.0, 0.5, mi.Point2f((x + 0.5) / size, (y + 0.5) / size), mi.Point2f(0.5))
+        hit = scene.ray_intersect(ray)
+        if hit.is_valid():
+            points[y, x] = hit.p
+    return points
 
 
 def by_displace(options, glb: Path, view: View, path: Path) -> tuple[np.ndarray, np.ndarray]:
     light = ",".join(map(str, LIGHT))
-    flags = ["--light", light, "--ambient", str(AMBIENT), "--shadows", "ray", "--supersample", str(options.samples)]
+    flags = ["--light", light, "--ambient", str(AMBIENT), "--shadows", "ray", "--supersample", str(options.grid**2)]
     run(options, ["render", str(glb), "--device", "reference", "--aov", "position,depth", *flags, *view.flags(), "-o", str(path)])
     bitmap = mi.Bitmap(str(path))
     names, values = [field.name for field in bitmap.struct_()], np.array(bitmap)
@@ -199,7 +207,7 @@ def compare(options, name: str, glb: Path) -> bool:
     places = np.concatenate([homogeneous(part) for part in parts])
     view = View(places.min(axis=0), places.max(axis=0), options.size)
     ours, our_points = by_displace(options, glb, view, options.out / f"{name}.exr")
-    theirs, their_points = by_mitsuba(parts, view, options.samples)
+    theirs, their_points = by_mitsuba(parts, view, options.grid)
     ours, theirs = srgb(ours), srgb(theirs)
     flips, mean, _ = flip_evaluator.evaluate(theirs, ours, "LDR", inputsRGB=True, applyMagma=True)
     for kind, image in (("displace", ours), ("mitsuba", theirs), ("flip", np.clip(flips, 0, 1))):
@@ -219,7 +227,10 @@ def compare(options, name: str, glb: Path) -> bool:
 
 def sphere(path: Path) -> Path:
     ball = trimesh.creation.icosphere(subdivisions=1)
-    path.write_text(trimesh.exchange.obj.export_obj(ball, include_normals=True))
+    # Unit vertices are their own normals.
+    lines = [f"{kind} {x} {y} {z}" for kind in ("v", "vn") for x, y, z in ball.vertices]
+    lines += [f"f {a}//{a} {b}//{b} {c}//{c}" for a, b, c in ball.faces + 1]
+    path.write_text("\n".join(lines) + "\n")
     return path
 
 
@@ -228,8 +239,8 @@ def main() -> int:
     parser.add_argument("--displace", type=Path, required=True, help="the displace binary")
     parser.add_argument("--mesh", type=Path, nargs="*", default=[], help="models beside the sphere")
     parser.add_argument("--out", type=Path, help="keeps the images here (default: a temporary folder)")
-    parser.add_argument("--samples", type=int, default=64)
-    parser.add_argument("--size", type=int, default=256)
+    parser.add_argument("--grid", type=int, default=8, help="rays a pixel each way")
+    parser.add_argument("--size", type=int, default=256, help="pixels each way")
     parser.add_argument("--level", type=int, default=5, help="uniform level of subdivision")
     options = parser.parse_args()
     options.displace = options.displace.resolve()
