@@ -6,8 +6,8 @@
 //! `compare`, `measure`) and how it is asked for (`grpc`).
 
 mod admission;
-mod compare;
 mod cautions;
+mod compare;
 mod displace;
 mod exact;
 mod images;

@@ -2,8 +2,7 @@
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, images, inputs, inputs::Inputs,
-    seams, strain,
-    work::canonical,
+    seams, strain, work::canonical,
 };
 use crate::{
     domain::{

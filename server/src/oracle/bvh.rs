@@ -126,6 +126,7 @@ impl Bvh {
         (!self.tree.nodes.is_empty()).then_some(0)
     }
 
+    #[inline]
     fn children(&self, node: usize) -> Option<[usize; 2]> {
         let node = &self.tree.nodes[node];
         (node.prim_count == 0).then_some([node.first_index as usize, node.first_index as usize + 1])
@@ -137,11 +138,13 @@ impl Bvh {
         self.tree.primitive_indices[range].iter().copied()
     }
 
+    #[inline]
     fn corners(&self, node: usize) -> (DVec3, DVec3) {
         let aabb = &self.tree.nodes[node].aabb;
         (aabb.min.as_dvec3(), aabb.max.as_dvec3())
     }
 
+    #[inline]
     fn square_distance(&self, node: usize, point: DVec3) -> f64 {
         let (low, high) = self.corners(node);
         (low - point).max(point - high).max(DVec3::ZERO).length_squared()

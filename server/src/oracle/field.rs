@@ -58,6 +58,7 @@ impl Field {
     }
 
     /// Texel (x, y) of one channel.
+    #[inline]
     #[must_use]
     pub fn texel(&self, channel: u32, x: i64, y: i64) -> f64 {
         let x = wrapped(x, self.map.width, self.map.wrap[0], self.map.sampling);
@@ -67,6 +68,7 @@ impl Field {
     }
 
     /// The four texels around cell (x, y): `[at (0, 0), (1, 0), (0, 1), (1, 1)]`.
+    #[inline]
     #[must_use]
     pub fn cell(&self, channel: u32, x: i64, y: i64) -> [f64; 4] {
         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(channel, x + i, y + j))
@@ -86,6 +88,7 @@ impl Field {
     }
 
     /// The value at texel-space (x, y).
+    #[inline]
     #[must_use]
     pub fn value(&self, channel: u32, x: f64, y: f64) -> f64 {
         let (i, j) = (x.floor(), y.floor());
@@ -104,6 +107,7 @@ pub struct Patch {
 }
 
 impl Patch {
+    #[inline]
     #[must_use]
     pub fn value(&self, p: DVec2) -> f64 {
         self.at_corner + self.slope.dot(p) + self.twist * p.x * p.y

@@ -26,6 +26,7 @@ impl IntervalJet {
     }
 
     /// f(self, o) where `a` and `b` bound f's partial derivatives.
+    #[inline]
     fn chain2(self, o: Self, value: Interval, a: Interval, b: Interval) -> Self {
         let slope = std::array::from_fn(|k| product(self.slope[k], a).add(product(o.slope[k], b)));
         Self { value, slope }
@@ -44,28 +45,35 @@ impl IntervalJet {
 }
 
 /// What is flat stays flat, even beside an infinite slope: 0 · ∞ is 0 here.
+#[inline]
 fn product(a: Interval, b: Interval) -> Interval {
     if a == ZERO || b == ZERO { ZERO } else { a.mul(b) }
 }
 
+#[inline]
 #[must_use]
 pub fn hull(a: Interval, b: Interval) -> Interval {
     Interval::new(a.lo.min(b.lo), a.hi.max(b.hi))
 }
 
 impl Number for IntervalJet {
+    #[inline]
     fn constant(value: f64) -> Self {
         Self { value: Interval::constant(value), slope: [ZERO; 2] }
     }
+    #[inline]
     fn add(self, o: Self) -> Self {
         Self { value: self.value.add(o.value), slope: std::array::from_fn(|k| self.slope[k].add(o.slope[k])) }
     }
+    #[inline]
     fn sub(self, o: Self) -> Self {
         Self { value: self.value.sub(o.value), slope: std::array::from_fn(|k| self.slope[k].sub(o.slope[k])) }
     }
+    #[inline]
     fn mul(self, o: Self) -> Self {
         self.chain2(o, product(self.value, o.value), o.value, self.value)
     }
+    #[inline]
     fn div(self, o: Self) -> Self {
         let one = Interval::constant(1.0);
         self.chain2(o, self.value.div(o.value), one.div(o.value), self.value.div(o.value.powi(2)).neg())

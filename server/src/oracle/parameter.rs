@@ -32,6 +32,7 @@ pub trait Parameter: Number {
 impl Parameter for f64 {
     type Place = DVec3;
 
+    #[inline]
     fn affine(b: &DVec3, [v0, v1, v2]: [f64; 3]) -> Self {
         v0 + b.y * (v1 - v0) + b.z * (v2 - v0)
     }
@@ -39,6 +40,7 @@ impl Parameter for f64 {
         let both = b[to] + b[from];
         if both > 0.0 { (b[to] / both).clamp(0.0, 1.0) } else { 0.5 }
     }
+    #[inline]
     fn field(field: &Field, channel: u32, x: Self, y: Self) -> Self {
         field.value(channel, x, y)
     }
@@ -55,6 +57,7 @@ impl Parameter for f64 {
 impl Parameter for Dual<2> {
     type Place = DVec3;
 
+    #[inline]
     fn affine(b: &DVec3, values: [f64; 3]) -> Self {
         Self::new(f64::affine(b, values), [values[1] - values[0], values[2] - values[0]])
     }
@@ -64,6 +67,7 @@ impl Parameter for Dual<2> {
         let slope = |axis: usize| (b[from] * unit(to)[axis] - b[to] * unit(from)[axis]) / (both * both);
         Self::new(f64::along(b, to, from), [slope(0), slope(1)])
     }
+    #[inline]
     fn field(field: &Field, channel: u32, x: Self, y: Self) -> Self {
         let at = |dx: f64, dy: f64| field.value(channel, x.value + dx, y.value + dy);
         let (by_x, by_y) = (at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
@@ -82,6 +86,7 @@ impl Parameter for Dual<2> {
 impl Parameter for IntervalJet {
     type Place = [DVec3];
 
+    #[inline]
     fn affine(corners: &[DVec3], values: [f64; 3]) -> Self {
         let slope = [values[1] - values[0], values[2] - values[0]].map(Interval::constant);
         Self::new(range(corners.iter().map(|b| f64::affine(b, values))), slope)
@@ -101,6 +106,7 @@ impl Parameter for IntervalJet {
         };
         Self::new(value, [slope(0), slope(1)])
     }
+    #[inline]
     fn field(field: &Field, channel: u32, x: Self, y: Self) -> Self {
         let (value, by_x, by_y) = bounds(field, channel, x.value, y.value);
         let by = |d: Interval, slope: Interval| if is_zero(slope) { slope } else { d.mul(slope) };
@@ -119,6 +125,7 @@ fn is_zero(i: Interval) -> bool {
     i.lo == 0.0 && i.hi == 0.0
 }
 
+#[inline]
 fn range(values: impl Iterator<Item = f64>) -> Interval {
     let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
     Interval::new(lo, hi)

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    hash::{BuildHasherDefault, Hasher},
     sync::atomic::{AtomicUsize, Ordering},
 };
 
@@ -19,8 +20,30 @@ const MOST_FAN_LINES: usize = 256;
 pub(super) struct Patch {
     vertices: Vec<Vertex>,
     /// What lies between two neighbouring vertices that were once joined directly.
-    splits: HashMap<(u32, u32), u32>,
+    splits: Splits,
     polygons: Vec<Polygon>,
+}
+
+type Splits = HashMap<u64, u32, BuildHasherDefault<Mixer>>;
+
+/// Mixes one number; the keys are our own, so nobody chooses them to collide.
+#[derive(Default)]
+struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+    fn write_u64(&mut self, number: u64) {
+        self.0 = (self.0 ^ number).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+}
+
+fn edge_key(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
 struct Vertex {
@@ -54,7 +77,7 @@ impl Patch {
         let corners =
             [DVec3::X, DVec3::Y, DVec3::Z].map(|b| Vertex { b, position: surface.position(t, b), moved: 0.0 });
         let lengths = [1, 2].map(|k| corners[k].position.distance(corners[0].position));
-        let mut patch = Self { vertices: corners.into(), splits: HashMap::new(), polygons: Vec::new() };
+        let mut patch = Self { vertices: corners.into(), splits: Splits::default(), polygons: Vec::new() };
         let kinks = Kinks { grids: surface.grids(t), lines: surface.seam_lines(t, MOST_FAN_LINES) };
         let mut open = vec![Polygon { corners: vec![0, 1, 2], depth: 0, deviation: 0.0 }];
         while let Some(mut polygon) = open.pop() {
@@ -91,7 +114,7 @@ impl Patch {
     }
 
     fn between(&self, from: u32, to: u32, all: &mut Vec<u32>) {
-        if let Some(&middle) = self.splits.get(&(from.min(to), from.max(to))) {
+        if let Some(&middle) = self.splits.get(&edge_key(from, to)) {
             self.between(from, middle, all);
             all.push(middle);
             self.between(middle, to, all);
@@ -142,7 +165,7 @@ impl Patch {
     fn put_between(&mut self, surface: &Surface<'_>, t: usize, from: u32, to: u32, b: DVec3) -> u32 {
         let middle = self.vertices.len() as u32;
         self.vertices.push(Vertex { b, position: surface.position(t, b), moved: 0.0 });
-        self.splits.insert((from.min(to), from.max(to)), middle);
+        self.splits.insert(edge_key(from, to), middle);
         middle
     }
 

@@ -171,6 +171,7 @@ impl Ord for Piece {
 }
 
 /// The place of a triangle nearest to a point, and its barycentrics (Ericson 2005, 5.1.5).
+#[inline]
 pub(crate) fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, DVec3) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -233,6 +234,7 @@ fn closest_on_sides(p: DVec3, corners: [DVec3; 3]) -> (DVec3, DVec3) {
     sides.into_iter().min_by(nearer).unwrap_or(side(0))
 }
 
+#[inline]
 pub(crate) fn distance_to_triangle(p: DVec3, triangle: [DVec3; 3]) -> f64 {
     closest_on_triangle(p, triangle).0.distance(p)
 }

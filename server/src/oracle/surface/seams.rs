@@ -21,11 +21,12 @@ const WITHOUT_MAP: f64 = 0.25;
 pub(super) struct Seams {
     /// The displacement of places whose sides differ.
     agreed: HashMap<usize, DVec3>,
-    /// What each attribute vertex is short of it.
-    corrections: HashMap<u32, DVec3>,
-    /// Sides that count and their shares, of edges whose sides differ.
-    sides: HashMap<usize, Vec<(u32, f64)>>,
-    ramps: HashMap<usize, Vec<Ramp>>,
+    /// What each attribute vertex is short of it; empty where none is.
+    corrections: Vec<DVec3>,
+    /// Sides that count and their shares, of edges whose sides differ; by edge.
+    sides: Vec<Vec<(u32, f64)>>,
+    /// By base triangle; empty where there are none.
+    ramps: Vec<Vec<Ramp>>,
 }
 
 /// The ramp along one side of a base triangle.
@@ -58,7 +59,7 @@ impl Seams {
     }
 
     pub(super) fn correction(&self, av: u32) -> DVec3 {
-        self.corrections.get(&av).copied().unwrap_or_default()
+        self.corrections.get(av as usize).copied().unwrap_or_default()
     }
 
     pub(super) fn agreed_at(&self, gv: usize) -> Option<DVec3> {
@@ -66,19 +67,19 @@ impl Seams {
     }
 
     pub(super) fn is_pulled(&self, av: [u32; 3]) -> bool {
-        !self.corrections.is_empty() && av.iter().any(|av| self.corrections.contains_key(av))
+        !self.corrections.is_empty() && av.iter().any(|&av| self.corrections[av as usize] != DVec3::ZERO)
     }
 
     pub(super) fn ramps(&self, t: usize) -> &[Ramp] {
-        self.ramps.get(&t).map_or(&[], Vec::as_slice)
+        self.ramps.get(t).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn sides(&self, ge: usize) -> &[(u32, f64)] {
-        self.sides.get(&ge).map_or(&[], Vec::as_slice)
+        self.sides.get(ge).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn is_seam(&self, ge: usize) -> bool {
-        self.sides.contains_key(&ge)
+        !self.sides(ge).is_empty()
     }
 
     pub(super) fn position(&self, surface: &Surface<'_>, ge: usize, t: f64) -> DVec3 {
@@ -86,11 +87,12 @@ impl Seams {
         from + (to - from) * t + DVec3::from_array(surface.agreed::<f64>(ge, t))
     }
 
-    fn all_ramps(&self, surface: &Surface<'_>, feather_texels: f64) -> HashMap<usize, Vec<Ramp>> {
-        let mut ramps: HashMap<usize, Vec<Ramp>> = HashMap::new();
-        if self.sides.is_empty() {
-            return ramps;
+    fn all_ramps(&self, surface: &Surface<'_>, feather_texels: f64) -> Vec<Vec<Ramp>> {
+        if self.sides.iter().all(Vec::is_empty) {
+            return Vec::new();
         }
+        let mut ramps: Vec<Vec<Ramp>> = Vec::new();
+        ramps.resize_with(surface.mesh.triangles.len(), Vec::new);
         for (t, triangle) in surface.mesh.triangles.iter().enumerate() {
             for k in 0..3 {
                 let ae = triangle.ae[k];
@@ -103,7 +105,7 @@ impl Seams {
                 let (from, to) = if forward { (first, second) } else { (second, first) };
                 let inverse_width = 1.0 / width(surface, t, k, feather_texels);
                 let ramp = Ramp { ge, ae, from, to, opposite: (k + 2) % 3, inverse_width };
-                ramps.entry(t).or_default().push(ramp);
+                ramps[t].push(ramp);
             }
         }
         ramps
@@ -167,36 +169,29 @@ fn width(surface: &Surface<'_>, t: usize, k: usize, feather_texels: f64) -> f64 
     if width.is_nan() { WIDEST } else { width.clamp(NARROWEST, WIDEST) }
 }
 
-fn edge_sides(surface: &Surface<'_>, looks: &Looks<'_, '_>, rule: SeamRule) -> HashMap<usize, Vec<(u32, f64)>> {
+fn edge_sides(surface: &Surface<'_>, looks: &Looks<'_, '_>, rule: SeamRule) -> Vec<Vec<(u32, f64)>> {
     let mesh = surface.mesh;
-    let mut all = HashMap::new();
-    for ge in 0..mesh.ge_gv.len() {
+    let of_edge = |ge: usize| {
         let aes = mesh.ge_ae.list(ge);
-        if aes.len() > 1 {
-            let sides = shares(aes, rule, |ae| {
-                mesh.ae_av[ae as usize].map(|av| looks.of(av, mesh.ae_av[ae as usize][0], true))
-            });
-            if sides.distinct > 1 {
-                all.insert(ge, sides.shares);
-            }
+        if aes.len() < 2 {
+            return Vec::new();
         }
-    }
-    all
+        let look = |ae: u32| {
+            let av = mesh.ae_av[ae as usize];
+            av.map(|end| looks.of(end, av[0], true))
+        };
+        let sides = shares(aes, rule, look);
+        if sides.distinct > 1 { sides.shares } else { Vec::new() }
+    };
+    (0..mesh.ge_gv.len()).map(of_edge).collect()
 }
 
 /// What the sides of each place agree on, and what each of them is short of it.
-fn corners(
-    surface: &Surface<'_>,
-    looks: &Looks<'_, '_>,
-    rule: SeamRule,
-) -> (HashMap<usize, DVec3>, HashMap<u32, DVec3>) {
+fn corners(surface: &Surface<'_>, looks: &Looks<'_, '_>, rule: SeamRule) -> (HashMap<usize, DVec3>, Vec<DVec3>) {
     let mesh = surface.mesh;
-    let (mut all_agreed, mut all) = (HashMap::new(), HashMap::new());
+    let (mut all_agreed, mut corrections) = (HashMap::new(), Vec::new());
     for gv in 0..mesh.gv_position.len() {
         let avs = mesh.gv_av.list(gv);
-        if avs.len() < 2 {
-            continue;
-        }
         let sides = shares(avs, rule, |av| looks.of(av, av, false));
         if sides.distinct < 2 {
             continue;
@@ -207,9 +202,10 @@ fn corners(
         };
         let agreed: DVec3 = sides.shares.iter().map(|(av, share)| candidate(*av) * *share).sum();
         all_agreed.insert(gv, agreed);
-        all.extend(avs.iter().map(|&av| (av, agreed - candidate(av))));
+        corrections.resize(mesh.av_gv.len(), DVec3::ZERO);
+        avs.iter().for_each(|&av| corrections[av as usize] = agreed - candidate(av));
     }
-    (all_agreed, all)
+    (all_agreed, corrections)
 }
 
 struct Shares {
