@@ -70,16 +70,16 @@ impl Strain {
         (self.triangles > 0).then(|| Stretch { p99: self.counts.percentile(0.99).min(max), max })
     }
 
+    /// The inner loop of every report: without closures over arrays, which are not inlined in builds for tests.
     fn add_lot(&mut self, mesh: &Mesh, surface: &Surface, first: usize, triangles: &[[u32; 3]]) {
         let mut walk = Walk::from(first as u64, surface.level);
         let mut frame = Frame::of(mesh, walk.base, surface.level);
-        for ids in triangles {
-            let corners = ids.map(|v| DVec3::from_array(surface.positions[v as usize].map(f64::from)));
+        for &[a, b, c] in triangles {
             if let Some(frame) = &frame {
-                self.add(frame.of_fine(corners, walk.upright()), || Spot {
-                    triangle: walk.base as u32,
-                    position: surface.positions[ids[0] as usize],
-                });
+                let at = surface.positions[a as usize];
+                let corners = [exact(at), exact(surface.positions[b as usize]), exact(surface.positions[c as usize])];
+                let (square, flipped) = frame.of_fine(corners, walk.upright());
+                self.add(square, flipped, Spot { triangle: walk.base as u32, position: at });
             }
             if walk.advance() && walk.base < mesh.triangles.len() {
                 frame = Frame::of(mesh, walk.base, surface.level);
@@ -87,18 +87,24 @@ impl Strain {
         }
     }
 
-    fn add(&mut self, (square, flipped): (f64, bool), spot: impl Fn() -> Spot) {
+    #[inline]
+    fn add(&mut self, square: f64, flipped: bool, spot: Spot) {
         self.triangles += 1;
         self.counts.count(square);
         self.long += u64::from(square > LONG * LONG);
         if square > self.max_square {
-            (self.max_square, self.max_at) = (square, Some(spot()));
+            (self.max_square, self.max_at) = (square, Some(spot));
         }
         if flipped {
             self.flipped += 1;
-            self.first_flipped.get_or_insert_with(spot);
+            self.first_flipped = self.first_flipped.or(Some(spot));
         }
     }
+}
+
+#[inline]
+fn exact(p: [f32; 3]) -> DVec3 {
+    DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
 }
 
 /// A base triangle with area, prepared for its fine triangles.
@@ -110,18 +116,20 @@ struct Frame {
 
 impl Frame {
     fn of(mesh: &Mesh, base: usize, level: u32) -> Option<Self> {
-        let place = |av: u32| DVec3::from_array(mesh.gv_position[mesh.av_gv[av as usize] as usize].map(f64::from));
-        let [p, q, r] = mesh.triangles[base].av.map(place);
+        let place = |av: u32| exact(mesh.gv_position[mesh.av_gv[av as usize] as usize]);
+        let [a, b, c] = mesh.triangles[base].av;
+        let (p, q, r) = (place(a), place(b), place(c));
         let normal = (q - p).cross(r - p);
         let along = (q - p).length();
         let (across, skew) = (normal.length() / along, (q - p).dot(r - p) / along);
         let segments = (1u64 << level) as f64;
         let inverse = [segments / along, -segments * skew / (along * across), segments / across];
-        inverse.iter().all(|x| x.is_finite()).then_some(Self { inverse, normal })
+        (inverse[0] + inverse[1] + inverse[2]).is_finite().then_some(Self { inverse, normal })
     }
 
     /// The square of the stretch, and whether it is flipped. Fine triangles have the corners (i, j), (i + 1, j), (i, j + 1) when
     /// upright, else (i + 1, j), (i + 1, j + 1), (i, j + 1).
+    #[inline]
     fn of_fine(&self, [a, b, c]: [DVec3; 3], upright: bool) -> (f64, bool) {
         let (i, j) = if upright { (b - a, c - a) } else { (b - c, b - a) };
         let (s, t) = (i * self.inverse[0], i * self.inverse[1] + j * self.inverse[2]);
@@ -151,11 +159,13 @@ impl Walk {
     }
 
     /// A row has one upright triangle more than inverted ones.
+    #[inline]
     fn upright(&self) -> bool {
         (self.left - self.beyond) % 2 == 1
     }
 
     /// Is the next one in another base triangle?
+    #[inline]
     fn advance(&mut self) -> bool {
         self.left -= 1;
         if self.left == 0 {
@@ -186,6 +196,7 @@ impl Counts {
     /// f32 bits of 2^-32, the square of the lowest, without the last 17.
     const LOWEST: usize = 95 << 6;
 
+    #[inline]
     fn count(&mut self, square: f64) {
         let bin = ((square as f32).to_bits() >> 17) as usize;
         self.0[bin.saturating_sub(Self::LOWEST).min(Self::SIZE - 1)] += 1;

@@ -57,7 +57,7 @@ impl<'a> Lattice<'a> {
     }
 
     /// A side that neither cancels with another nor lies once on the border of the base triangle.
-    fn loose_side(&self, sides: &mut Vec<[Point; 2]>) -> Option<String> {
+    fn loose_side(&self, sides: &mut [[Point; 2]]) -> Option<String> {
         let undirected = |&[a, b]: &[Point; 2]| [a.min(b), a.max(b)];
         sides.sort_unstable_by_key(undirected);
         let loose = |group: &&[[Point; 2]]| match group {
