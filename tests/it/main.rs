@@ -5,6 +5,7 @@ mod corpus;
 mod determinism;
 mod gltf;
 mod invariants;
+mod measure;
 mod oracle;
 mod oracle_image;
 mod oracle_rays;

@@ -79,6 +79,9 @@ fn as_json(found: &Measurement, report: &Report) -> Value {
             value["volume"][name] = volume.into();
         }
     }
+    if let Some(stretch) = &found.stretch {
+        value["stretch"] = json!({ "p99": stretch.p99, "max": stretch.max });
+    }
     value["unit"] = "world".into();
     value["diagonal"] = found.diagonal.into();
     value["precision"] = found.precision.into();
@@ -122,6 +125,12 @@ fn words(found: &Measurement, report: &Report) -> String {
         lines.push(format!(
             "normals differ by {:.3} degrees in the median, {:.3} at 95 %, {:.3} at 99 %, {:.3} at most",
             n.p50, n.p95, n.p99, n.max
+        ));
+    }
+    if let Some(stretch) = &found.stretch {
+        lines.push(format!(
+            "the surface stretches its base {:.3} times at 99 %, {:.3} at most",
+            stretch.p99, stretch.max
         ));
     }
     lines.push(format!("widest crack {:.3e}", found.seam_gap));

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::report::Stretch;
+
 /// How far a mesh is from another, or from the displaced surface it stands for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
@@ -14,6 +16,9 @@ pub struct Measurement {
     /// Widest crack of the second: of borders the first does not have.
     pub seam_gap: f64,
     pub volume: Volume,
+    /// Of the surface that a detail describes, over its base; none where the reference is a mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<Stretch>,
     /// Of the first scene's box, undisplaced.
     pub diagonal: f64,
     /// Width of the interval that was asked for.

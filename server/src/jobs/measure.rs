@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     domain::{
-        ErrorKind, Result, gltf,
+        Error, ErrorKind, Result, gltf,
         gltf::Painted,
         report::Report,
         request::{MeasureRequest, Method},
@@ -26,6 +26,8 @@ use crate::{
 const MOST_TRIANGLES: usize = 3_000_000;
 /// A surface is first diced to so many times the precision.
 const COARSE: f64 = 4.0;
+/// From one attempt to the next, where a dicing does not fit.
+const COARSER: f64 = 8.0;
 /// Colours of the scale beside a painted mesh.
 const SCALE_STEPS: usize = 33;
 
@@ -95,7 +97,7 @@ impl MeasureWork {
     }
 }
 
-/// As coarse as it must be to fit.
+/// As coarse as it must be to fit. A detail that jumps, or has no bound, is refused in the end.
 fn diced(
     context: &WorkContext<'_>,
     reference: &Inputs,
@@ -105,8 +107,12 @@ fn diced(
     let mut residual_world = COARSE * precision;
     loop {
         match diced_to(context, reference, surfaces, residual_world) {
-            Err(error) if error.kind == ErrorKind::TooLarge && residual_world < 1e3 * reference.scene.diagonal => {
-                residual_world *= 4.0;
+            Err(error) if error.kind == ErrorKind::TooLarge && residual_world < reference.scene.diagonal => {
+                residual_world *= COARSER;
+            }
+            Err(error) if error.kind == ErrorKind::TooLarge => {
+                let message = "the surface cannot be bounded: keep the expression away from division by 0 and from steps, or leave the map coarser";
+                return Err(Error::invalid("details", message).with_cause(error));
             }
             result => return result,
         }

@@ -67,6 +67,10 @@ pub fn dice(
         Patch::cut(surface, t, limits, &spent, wants_more).ok_or_else(|| too_many(limits))
     };
     let mut patches: Vec<Patch> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
+    if !patches.par_iter().all(Patch::is_finite) {
+        let message = "the surface is not finite everywhere: lower the scale, or keep the expression away from division by 0, roots and logarithms of negative numbers";
+        return Err(Error::invalid("details", message));
+    }
     let edges = shared_edges(surface, &patches);
     patches.par_iter_mut().enumerate().for_each(|(t, patch)| patch.insert_shared(surface, t, &edges));
     cancel.check()?;

@@ -18,7 +18,7 @@ const SAMPLES: usize = 1 << 16;
 /// Meshes with more triangles are not searched for self-intersections.
 const MOST_SEARCHED: usize = 4_000_000;
 /// Pieces cut each way before the distance is told as far as it is known.
-const MOST_CUTS: u64 = 40_000_000;
+const MOST_CUTS: u64 = 20_000_000;
 
 /// A measurement, what is to be warned of, and the distance of each vertex of `b`.
 pub struct Measured {
@@ -58,6 +58,7 @@ pub fn measure(
         normal_deg: normals(samples.iter().flatten()),
         seam_gap: cracks::widest(a, b, hi.max(precision_world)),
         volume: Volume { a: volume_a, b: volume_b },
+        stretch: a.stretch(),
         diagonal,
         precision: precision_world,
         unit: "world".into(),

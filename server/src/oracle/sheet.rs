@@ -2,6 +2,7 @@
 //! they may deviate from their triangles.
 
 mod nearest;
+mod stretch;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;

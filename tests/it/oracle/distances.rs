@@ -3,11 +3,16 @@
 use displace_server::{
     domain::cancel::{Cancel, NoProgress},
     oracle::{
+        dicing::{Limits, Region, dice},
         hausdorff::{Directed, Settings, directed},
         sheet::{Sheet, SheetBuilder},
+        surface::{SeamChoice, Surface},
     },
 };
-use displace_tests::meshes::{self, TestMesh};
+use displace_tests::{
+    meshes::{self, TestMesh},
+    surfaces::{detail, expression, uniform},
+};
 use glam::DVec3;
 
 const IDENTITY: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
@@ -82,5 +87,56 @@ fn a_sheet_is_at_no_distance_from_itself_however_it_is_cut() {
         for found in both(&a, &b, 1e-4) {
             holds("itself", &found, 0.0, 1e-4);
         }
+    }
+}
+
+/// The surface `expression` (scale 1) over a mesh, diced to `residual`, and its distance to a mesh, both ways.
+fn surface_to_mesh(
+    base: &TestMesh,
+    source: &str,
+    other: &TestMesh,
+    move_by: [f32; 3],
+    precision: f64,
+) -> [Directed; 2] {
+    let mesh = base.to_mesh();
+    let details = vec![Some(detail(expression(source), 1.0)); mesh.primitives.len()];
+    let surface = Surface::new(&mesh, &details, SeamChoice::from(&uniform(0)));
+    let wants_more = |region: &Region<'_>| region.deviation > 4.0 * precision;
+    let dicing = dice(&surface, &Limits::default(), &Cancel::default(), &wants_more).unwrap();
+    let mut builder = SheetBuilder::default();
+    builder.surface(&surface, &dicing, &IDENTITY);
+    both(&builder.build(), &sheet(other, moved(move_by[0], move_by[1], move_by[2])), precision)
+}
+
+#[test]
+fn a_sine_sheet_is_as_far_from_its_plane_as_it_is_high() {
+    let [there, back] = surface_to_mesh(&meshes::plane(2), "0.125*sin(2*pi*u)", &meshes::plane(3), [0.0; 3], 1e-4);
+    // Everywhere below or above the plane is the plane.
+    holds("from the sine", &there, 0.125, 1e-4);
+    // The plane's places under a crest are nearest to the flank: nearer than the crest, farther than half of it.
+    assert!(back.lo > 0.06 && back.hi < 0.125 && back.hi - back.lo <= 1e-4, "{back:?}");
+    let flat = surface_to_mesh(&meshes::plane(2), "0*u+0.125", &meshes::plane(5), [0.0, 0.0, 0.0], 1e-6);
+    flat.iter().for_each(|found| holds("a raised plane", found, 0.125, 1e-6));
+}
+
+#[test]
+fn spheres_raised_by_a_constant_are_apart_by_it() {
+    // Directions are radial, so the raised surface is R + h along them: facets bend with the normals.
+    let sphere = meshes::icosphere(3);
+    let [there, back] = surface_to_mesh(&sphere, "0*x+0.25", &sphere, [0.0; 3], 1e-4);
+    for found in [there, back] {
+        assert!(found.lo > 0.245 && found.hi < 0.2505 && found.hi - found.lo <= 1e-4, "{found:?}");
+    }
+}
+
+#[test]
+fn tori_of_different_tubes_are_apart_by_the_difference() {
+    // Both directions, to what the facets of the finer meshes leave: (1 - cos(pi / n)) of each radius.
+    let (a, b) = (sheet(&meshes::torus(192, 96), IDENTITY), sheet(&meshes::torus(256, 128), moved(0.0, 0.0, 0.0)));
+    let [there, back] = both(&a, &b, 1e-5);
+    let radius = a.positions.iter().map(|p| p.length()).fold(0.0, f64::max);
+    let sag = radius * (1.0 - (std::f64::consts::PI / 96.0).cos()) * 2.0;
+    for found in [there, back] {
+        assert!(found.hi <= sag && found.lo > 0.0 && found.hi - found.lo <= 1e-5, "{found:?} against {sag}");
     }
 }

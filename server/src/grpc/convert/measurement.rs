@@ -16,6 +16,7 @@ pub(super) fn to_measurement(found: &Measurement) -> v1::Measurement {
         precision: found.precision,
         a: Some(to_facts(&found.a)),
         b: Some(to_facts(&found.b)),
+        stretch: found.stretch.map(|stretch| v1::Stretch { p99: stretch.p99, max: stretch.max }),
     }
 }
 

@@ -86,7 +86,9 @@ impl Patch {
             let positions: Vec<DVec3> = polygon.corners.iter().map(|&v| patch.vertices[v as usize].position).collect();
             polygon.deviation = surface.deviation(t, &b);
             let region = Region { base: t, positions: &positions, deviation: polygon.deviation };
-            if polygon.depth < limits.max_depth && wants_more(&region) {
+            // What is not finite is refused once all is cut; cutting it further finds no end.
+            let finite = positions.iter().all(|p| p.is_finite());
+            if finite && polygon.depth < limits.max_depth && wants_more(&region) {
                 let cut = kinks.cut(&b).unwrap_or_else(|| halving(&b, lengths));
                 let parts = patch.divide(surface, t, &polygon, cut);
                 if parts.len() == 2 {
@@ -167,6 +169,10 @@ impl Patch {
         self.vertices.push(Vertex { b, position: surface.position(t, b), moved: 0.0 });
         self.splits.insert(edge_key(from, to), middle);
         middle
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.vertices.iter().all(|vertex| vertex.position.as_vec3().is_finite())
     }
 
     pub(super) fn corner(&self, k: usize) -> DVec3 {
