@@ -12,6 +12,9 @@ shadows, and the reading of base colour maps. Ambient light without occlusion an
 it does not have: they are added to each of its samples from the sample's own place, normals and albedo (`aov`),
 the highlight where Mitsuba's own light arrives. Mitsuba therefore renders one jittered sample in each cell of the
 N x N grid of a pixel, and the box filter is their mean.
+
+What differs for a reason: near outlines the interpolated normal can turn away from the viewer, and `diffuse` is
+black there, where Phong's model as it is here is not.
 """
 
 import argparse
@@ -33,8 +36,20 @@ mi.set_variant("scalar_rgb")
 MOST_FLIP = 0.03
 # Of the scene's size: Mitsuba traces in f32.
 MOST_APART = 1e-5
-LIGHT, AMBIENT, BACKGROUND = np.array([1.0, 2.0, 3.0]), 0.2, 0.05
+LIGHT, AMBIENT, BACKGROUND = np.array([2.0, 1.5, 0.5]), 0.2, 0.05
 HIGHLIGHT, SHININESS = 0.2, 32
+
+
+def show_both_sides(path: Path) -> None:
+    """Mitsuba leaves no side out, so neither may we."""
+    data = path.read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    gltf, rest = json.loads(data[20 : 20 + length]), data[20 + length :]
+    for material in gltf.get("materials", []):
+        material["doubleSided"] = True
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    path.write_bytes(data[:8] + struct.pack("<III", 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
 
 
 def read_glb(path: Path) -> list[dict]:
@@ -83,7 +98,7 @@ def base_color(gltf: dict, blob: bytes, part: dict) -> dict:
     with tempfile.NamedTemporaryFile(suffix=".png") as file:
         file.write(blob[start : start + view["byteLength"]])
         file.flush()
-        texels = np.asarray(Image.open(file.name).convert("RGB"))
+        texels = np.array(Image.open(file.name).convert("RGB"))
     return {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": False, "filter_type": "bilinear", "wrap_mode": "repeat"}
 
 
@@ -98,8 +113,7 @@ def shape(name: str, part: dict) -> mi.Mesh:
     params["vertex_positions"] = (part["positions"] @ linear.T + part["world_from_mesh"][:3, 3]).astype(np.float32).ravel()
     params["vertex_normals"] = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32).ravel()
     if has_uvs:
-        # Mitsuba's v points up.
-        params["vertex_texcoords"] = (part["uvs"] * [1, -1] + [0, 1]).astype(np.float32).ravel()
+        params["vertex_texcoords"] = part["uvs"].astype(np.float32).ravel()
     params["faces"] = part["triangles"].astype(np.uint32).ravel()
     params.update()
     return mesh
@@ -116,7 +130,7 @@ class View:
         self.size, self.fov = size, 40
         self.target = 0.5 * (low + high)
         self.diagonal = float(np.linalg.norm(high - low))
-        self.eye = self.target + 1.6 * self.diagonal * np.array(unit(np.array([0.5, 0.35, 1.0])))
+        self.eye = self.target + 1.2 * self.diagonal * np.array(unit(np.array([0.5, 0.35, 1.0])))
 
     def flags(self) -> list[str]:
         place = lambda p: ",".join(repr(float(np.float32(x))) for x in p)  # noqa: E731
@@ -230,7 +244,8 @@ def sphere(path: Path) -> Path:
     # Unit vertices are their own normals.
     lines = [f"{kind} {x} {y} {z}" for kind in ("v", "vn") for x, y, z in ball.vertices]
     lines += [f"f {a}//{a} {b}//{b} {c}//{c}" for a, b, c in ball.faces + 1]
-    path.write_text("\n".join(lines) + "\n")
+    path.with_suffix(".mtl").write_text("newmtl clay\nKd 0.6 0.45 0.3\n")
+    path.write_text("\n".join(["mtllib sphere.mtl", "usemtl clay", *lines]) + "\n")
     return path
 
 
@@ -254,6 +269,7 @@ def main() -> int:
             glb = options.out / f"{mesh.stem}.glb"
             detail = ["--expr", "0.05*sin(9*x)*sin(8*y)*sin(7*z)", "--uniform", str(options.level)]
             run(options, ["apply", str(mesh), "--device", "reference", *detail, "-o", str(glb)])
+            show_both_sides(glb)
             good = compare(options, mesh.stem, glb) and good
     return 0 if good else 1
 
