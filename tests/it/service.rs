@@ -30,7 +30,7 @@ use displace_server::{
         mesh::Mesh,
         plan::SurfacePlan,
         report::{Estimate, PassTime, Report, Warning},
-        request::{CompareRequest, DisplaceRequest, EstimateRequest, RenderRequest, SourceRequest},
+        request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest, SourceRequest},
         surface::Surface,
     },
     jobs::{AssetReader, JobLimits, Output, Recipes, StandardRecipes, Work, WorkContext, WorkOutput},
@@ -197,6 +197,10 @@ impl Recipes for TestRecipes {
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
         StandardRecipes.compare(request)
+    }
+
+    fn measure(&self, request: MeasureRequest) -> Box<dyn Work> {
+        StandardRecipes.measure(request)
     }
 
     fn describe(&self, assets: &dyn AssetReader, mesh: &Digest, _: &[(String, Digest)]) -> Result<Description> {

@@ -25,7 +25,7 @@ DISPLACED = [
     ("models/Suzanne/Suzanne.gltf", "0.05*sin(30*x)*cos(20*y)", 1),
     ("models/Avocado/Avocado.gltf", "0.001*sin(900*y)", 2),
     ("models/torus.gltf", "0.1*sin(20*pi*u)", 4),
-    ("models/DenseSphere.glb", "0.02*noise(9*x,9*y,9*z)", 1),
+    ("models/ClearcoatWicker.glb", "0.02*noise(9*x,9*y,9*z)", 2),
     ("models/Fox.glb", "0.5*sin(x)", 2),
     ("models/clothFolds.glb", "0.02*cos(40*x)", 1),
     ("models/CesiumMilkTruck.glb", "0.01*sin(40*z)", 1),

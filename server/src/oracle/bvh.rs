@@ -147,7 +147,11 @@ impl Bvh {
     #[inline]
     fn square_distance(&self, node: usize, point: DVec3) -> f64 {
         let (low, high) = self.corners(node);
-        (low - point).max(point - high).max(DVec3::ZERO).length_squared()
+        let beyond = |low: f64, x: f64, high: f64| (low - x).max(x - high).max(0.0);
+        let x = beyond(low.x, point.x, high.x);
+        let y = beyond(low.y, point.y, high.y);
+        let z = beyond(low.z, point.z, high.z);
+        x * x + y * y + z * z
     }
 
     /// Where the segment enters the box; ∞ where it misses.
@@ -164,12 +168,16 @@ impl Bvh {
     }
 }
 
-fn push_nearer_last(stack: &mut Vec<(usize, f64)>, mut pair: [(usize, f64); 2], limit: f64) {
-    if pair[0].1 < pair[1].1 {
-        pair.swap(0, 1);
-    }
+#[inline]
+fn push_nearer_last(stack: &mut Vec<(usize, f64)>, [a, b]: [(usize, f64); 2], limit: f64) {
+    let (near, far) = if a.1 < b.1 { (a, b) } else { (b, a) };
     // A box that is missed is endlessly far, also where the limit is.
-    stack.extend(pair.into_iter().filter(|(_, near)| *near <= limit && *near < f64::INFINITY));
+    if far.1 <= limit && far.1 < f64::INFINITY {
+        stack.push(far);
+    }
+    if near.1 <= limit && near.1 < f64::INFINITY {
+        stack.push(near);
+    }
 }
 
 fn rounded_down(p: DVec3) -> Vec3A {

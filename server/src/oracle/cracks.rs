@@ -10,17 +10,13 @@ use super::{
 };
 
 /// The widest crack of `sheet`, world units; 0 where it has none. A border edge is a crack's where it is farther
-/// than `tolerance` from every border of `reference`; the crack is as wide as the way to the nearest border edge
-/// that does not touch it.
+/// than `tolerance` from every border of `reference`; the crack is as wide as the way from the middle of its edges to
+/// the nearest other border edge.
 #[must_use]
 pub fn widest(reference: &Sheet<'_>, sheet: &Sheet<'_>, tolerance: f64) -> f64 {
     let (of_reference, own) = (Borders::of(reference), Borders::of(sheet));
     let is_crack = |e: &usize| of_reference.distance(own.middle(*e), |_| true).is_none_or(|d| d > tolerance);
-    let width = |e: usize| {
-        let [a, b] = own.ends[e];
-        let apart = |other: usize| !own.ends[other].contains(&a) && !own.ends[other].contains(&b);
-        own.distance(own.middle(e), apart).unwrap_or(0.0)
-    };
+    let width = |e: usize| own.distance(own.middle(e), |other| other != e).unwrap_or(0.0);
     (0..own.ends.len()).filter(is_crack).map(width).fold(0.0, f64::max)
 }
 

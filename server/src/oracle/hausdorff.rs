@@ -5,14 +5,15 @@
 //! and bound; Tang, Lee and Kim 2009). For a piece with corners cᵢ and distances dᵢ:
 //! * distance to a convex set is convex, so to one triangle of B it is largest at a corner;
 //! * distance is 1-Lipschitz, so it is at most max dᵢ + ⅔ of the longest side anywhere;
-//! * to a surface, the piece pairs with the surface's places between those nearest to its corners.
+//! * to a surface, the piece pairs with the surface's places between those nearest to its corners, or with those over
+//!   its feet on one triangle for the surface.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::sheet::{Near, Sheet, distance_to_triangle};
+use super::sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle};
 use crate::domain::{
     Result,
     cancel::{Cancel, Progress},
@@ -69,7 +70,7 @@ pub fn directed(
     let mut settled = 0f64;
     for chunk in (0..a.triangles.len() as u32).collect::<Vec<_>>().chunks(1 << 18) {
         cancel.check()?;
-        let pieces: Vec<Piece> = chunk.par_iter().map(|&t| search.whole(t, &vertices)).collect();
+        let pieces: Vec<Piece> = chunk.par_iter().map(|&t| search.whole(t, &vertices, best.lower + wanted)).collect();
         settled = pieces.iter().filter(|p| p.upper <= best.lower + wanted).map(|p| p.upper).fold(settled, f64::max);
         open.extend(pieces.into_iter().filter(|p| p.upper > best.lower + wanted));
     }
@@ -79,7 +80,7 @@ pub fn directed(
         let batch: Vec<Piece> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         cuts += batch.len() as u64;
         let lower = best.lower;
-        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece, lower)).collect();
+        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece, lower, wanted)).collect();
         for part in parts.iter().flatten() {
             part.near.iter().zip(&part.places).for_each(|(near, place)| best.offer(*place, near));
         }
@@ -160,7 +161,7 @@ impl Search<'_> {
 
     /// A place that B is near to needs no sharp bounds: only the farthest one decides.
     fn near(&self, place: DVec3, hint: Option<u32>, lower: f64) -> Near {
-        let near = self.b.nearest(place, hint, f64::INFINITY).expect("B has triangles");
+        let near = self.b.near_enough(place, hint, 0.5 * self.width).expect("B has triangles");
         if near.upper <= lower + self.width || near.upper - near.lower <= self.width {
             return near;
         }
@@ -183,26 +184,33 @@ impl Search<'_> {
         best
     }
 
-    fn whole(&self, triangle: u32, vertices: &[Near]) -> Piece {
+    fn whole(&self, triangle: u32, vertices: &[Near], enough: f64) -> Piece {
         let near = self.a.triangles[triangle as usize].map(|v| vertices[v as usize]);
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
-        self.bounded(Piece { triangle, depth: 0, corners, places: self.a.corners(triangle), near, upper: 0.0 })
+        let places = self.a.corners(triangle);
+        self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough)
     }
 
-    fn bounded(&self, mut piece: Piece) -> Piece {
+    /// The cheap bounds first; what they show to be near enough needs no better one.
+    fn bounded(&self, mut piece: Piece, enough: f64) -> Piece {
         let own = if piece.depth == 0 {
             self.a.residual(piece.triangle)
         } else {
             self.a.deviation(piece.triangle, piece.corners)
         };
         let lipschitz = piece.farthest() + longest_side(&piece.places) * (2.0 / 3.0);
+        let to_places = piece.near.iter().map(|near| farthest_from(near.place, &piece.places));
+        let upper = to_places.fold(lipschitz, f64::min);
         let [a, b, c] = piece.near.map(|near| near.triangle);
-        let distinct = [Some(a), (b != a).then_some(b), (c != a && c != b).then_some(c)];
-        let convex = distinct.into_iter().flatten().map(|t| self.to_one_triangle(&piece.places, t));
-        let upper = convex.fold(lipschitz, f64::min);
-        let paired = || self.paired(&piece).unwrap_or(f64::INFINITY);
-        let close = upper <= piece.farthest() + self.width;
-        piece.upper = own + if close { upper } else { upper.min(paired()) };
+        let targets = [Some(a), (b != a).then_some(b), (c != a && c != b).then_some(c)];
+        let targets = || targets.into_iter().flatten();
+        let upper = targets().map(|t| self.to_one_triangle(&piece.places, t)).fold(upper, f64::min);
+        piece.upper = own + upper;
+        if piece.upper > enough && self.b.largest_residual() > 0.0 {
+            let paired = self.paired(&piece).unwrap_or(f64::INFINITY);
+            let upper = targets().map(|t| self.to_one_patch(&piece.places, t)).fold(upper.min(paired), f64::min);
+            piece.upper = own + upper;
+        }
         piece
     }
 
@@ -212,12 +220,21 @@ impl Search<'_> {
         farthest + self.b.residual(triangle)
     }
 
+    /// To the part of the surface that lies over the feet of the piece on one triangle for it.
+    fn to_one_patch(&self, places: &[DVec3; 3], triangle: u32) -> f64 {
+        let other = self.b.corners(triangle);
+        let feet = places.map(|p| closest_on_triangle(p, other).1);
+        let distances = feet.iter().zip(places).map(|(foot, p)| self.b.point(triangle, *foot).distance(*p));
+        distances.fold(0.0, f64::max) + self.b.deviation(triangle, feet)
+    }
+
+    /// To the part of the surface between the places nearest to the corners.
     fn paired(&self, piece: &Piece) -> Option<f64> {
         let deviation = self.b.deviation_between(piece.near.map(|near| (near.triangle, near.at)))?;
         Some(piece.farthest() + deviation)
     }
 
-    fn cut(&self, piece: &Piece, lower: f64) -> [Piece; 2] {
+    fn cut(&self, piece: &Piece, lower: f64, wanted: f64) -> [Piece; 2] {
         let (side, share) = self.where_to_cut(piece);
         let next = (side + 1) % 3;
         let middle = piece.corners[side].lerp(piece.corners[next], share);
@@ -228,7 +245,7 @@ impl Search<'_> {
             part.corners[replaced] = middle;
             part.places[replaced] = place;
             part.near[replaced] = near;
-            self.bounded(part)
+            self.bounded(part, lower + wanted)
         })
     }
 
@@ -256,6 +273,11 @@ impl Piece {
     fn farthest(&self) -> f64 {
         self.near.iter().map(|near| near.upper).fold(0.0, f64::max)
     }
+}
+
+/// The distance to a point is convex too.
+fn farthest_from(target: DVec3, places: &[DVec3; 3]) -> f64 {
+    places.iter().map(|p| p.distance(target)).fold(0.0, f64::max)
 }
 
 /// How far along a segment its foot on a triangle's plane leaves the triangle.
@@ -329,7 +351,7 @@ pub fn sampled(a: &Sheet<'_>, b: &Sheet<'_>, count: usize, width: f64, cancel: &
             return Ok(None);
         }
         let at = spread(k);
-        let near = b.nearest(a.point(triangle, at), None, width);
+        let near = b.near_enough(a.point(triangle, at), None, width);
         Ok(near.map(|near| {
             let (own, other) = (a.normal(triangle, at), b.normal(near.triangle, near.at));
             Sampled { distance: near.upper, normal_deg: own.angle_between(other).to_degrees() }

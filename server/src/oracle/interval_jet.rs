@@ -196,7 +196,7 @@ mod tests {
             "sqrt(u+0.1)/(v+2)",
             "mod(u*3, 0.7)+floor(4*v)",
             "smoothstep(0.2, 0.9, u)*exp(v)",
-            "noise(5*u, 5*v, z)+atan(v, u+0.01)",
+            "noise(5*u, 5*v, z)+atan2(v, u+0.01)",
             "u^3 - v^2 + tan(u*0.4)+log(u+1.5)",
             "step(0.5, u)+sign(v-0.5)",
         ];

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::domain::mesh::Mesh;
 pub use nearest::Near;
-pub(crate) use nearest::distance_to_triangle;
+pub(crate) use nearest::{closest_on_triangle, distance_to_triangle};
 
 /// A mesh or a displaced surface, all instances together, world units.
 pub struct Sheet<'s> {
@@ -25,6 +25,7 @@ pub struct Sheet<'s> {
     /// Shading normals of each triangle's corners; unit length.
     normals: Vec<[Vec3; 3]>,
     parts: Vec<Part<'s>>,
+    largest_residual: f64,
     bvh: Bvh,
 }
 
@@ -96,7 +97,8 @@ impl<'s> SheetBuilder<'s> {
         let boxes: Vec<Bounds> =
             triangles.iter().enumerate().map(|(k, t)| Bounds::of(&corners(t)).inflated(margin(k))).collect();
         let bvh = Bvh::build(&boxes);
-        Sheet { positions, triangles, residual, normals, parts, bvh }
+        let largest_residual = residual.iter().copied().fold(0.0, f32::max).into();
+        Sheet { positions, triangles, residual, normals, parts, largest_residual, bvh }
     }
 }
 
@@ -114,7 +116,7 @@ impl Sheet<'_> {
 
     #[must_use]
     pub fn largest_residual(&self) -> f64 {
-        self.residual.iter().copied().fold(0.0, f32::max).into()
+        self.largest_residual
     }
 
     /// Triangles that face against their own shading normals.

@@ -113,8 +113,8 @@ fn a_sine_sheet_is_as_far_from_its_plane_as_it_is_high() {
     let [there, back] = surface_to_mesh(&meshes::plane(2), "0.125*sin(2*pi*u)", &meshes::plane(3), [0.0; 3], 1e-4);
     // Everywhere below or above the plane is the plane.
     holds("from the sine", &there, 0.125, 1e-4);
-    // The plane's places under a crest are nearest to the flank: nearer than the crest, farther than half of it.
-    assert!(back.lo > 0.06 && back.hi < 0.125 && back.hi - back.lo <= 1e-4, "{back:?}");
+    // Its slope stays below 1, so from the plane below a crest nothing is nearer than the crest.
+    holds("from the plane", &back, 0.125, 1e-4);
     let flat = surface_to_mesh(&meshes::plane(2), "0*u+0.125", &meshes::plane(5), [0.0, 0.0, 0.0], 1e-6);
     flat.iter().for_each(|found| holds("a raised plane", found, 0.125, 1e-6));
 }
@@ -123,9 +123,9 @@ fn a_sine_sheet_is_as_far_from_its_plane_as_it_is_high() {
 fn spheres_raised_by_a_constant_are_apart_by_it() {
     // Directions are radial, so the raised surface is R + h along them: facets bend with the normals.
     let sphere = meshes::icosphere(3);
-    let [there, back] = surface_to_mesh(&sphere, "0*x+0.25", &sphere, [0.0; 3], 1e-4);
+    let [there, back] = surface_to_mesh(&sphere, "0*x+0.25", &sphere, [0.0; 3], 1e-3);
     for found in [there, back] {
-        assert!(found.lo > 0.245 && found.hi < 0.2505 && found.hi - found.lo <= 1e-4, "{found:?}");
+        assert!(found.lo > 0.249 && found.hi < 0.251 && found.hi - found.lo <= 1e-3, "{found:?}");
     }
 }
 

@@ -96,7 +96,7 @@ fn a_dicing_is_within_its_residual_everywhere() {
     for (name, mesh, detail) in cases() {
         let mesh = mesh.to_mesh();
         let surface = surface(&mesh, &detail);
-        let dicing = diced(&surface, 2e-3);
+        let dicing = diced(&surface, 3e-2);
         let mut largest = 0f64;
         for (k, at) in dicing.at.iter().enumerate() {
             let corners = dicing.triangles[k].map(|v| dicing.positions[v as usize]);
@@ -114,7 +114,7 @@ fn a_dicing_is_within_its_residual_everywhere() {
         }
         let residual = dicing.residual.iter().copied().fold(0.0, f32::max);
         eprintln!("{name}: {} triangles, residual {residual:e}, largest {largest:e}", dicing.triangles.len());
-        assert!(residual <= 2.1e-3, "{name}: residual {residual}");
+        assert!(residual <= 3.1e-2, "{name}: residual {residual}");
     }
 }
 
@@ -122,7 +122,7 @@ fn a_dicing_is_within_its_residual_everywhere() {
 fn a_dicing_has_the_boundary_and_topology_of_its_mesh() {
     for (name, mesh, detail) in cases() {
         let mesh = mesh.to_mesh();
-        let dicing = diced(&surface(&mesh, &detail), 5e-3);
+        let dicing = diced(&surface(&mesh, &detail), 5e-2);
         let base: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.av.map(|av| mesh.av_gv[av as usize])).collect();
         let euler = |triangles: &[[u32; 3]]| {
             let mut edges = std::collections::HashMap::new();

@@ -23,31 +23,46 @@ pub struct Near {
 const MOST_CUTS: usize = 4096;
 
 impl Sheet<'_> {
-    /// The place nearest to `point`; `hint` is a triangle that may be near. The bounds differ by at most
-    /// `width`, but for surfaces that jump. `None` of an empty sheet.
+    /// The place nearest to `point`; `hint` is a triangle that may be near. The bounds differ by at most `width`,
+    /// but for surfaces that jump. `None` of an empty sheet.
     #[must_use]
     pub fn nearest(&self, point: DVec3, hint: Option<u32>, width: f64) -> Option<Near> {
         if self.residual.is_empty() {
-            self.nearest_of_mesh(point, hint)
-        } else {
-            self.nearest_of_surface(point, hint, width)
+            return self.nearest_of_mesh(point, hint, 0.0);
         }
+        let (mut best, open) = self.nearest_of_surface(point, hint, 0.0)?;
+        self.narrow(point, width, &mut best, open);
+        Some(best)
     }
 
-    fn nearest_of_mesh(&self, point: DVec3, hint: Option<u32>) -> Option<Near> {
+    /// A place that is at most `slack`, and of a surface the residual there, farther than the nearest: much sooner
+    /// found where many places are about as near.
+    #[must_use]
+    pub fn near_enough(&self, point: DVec3, hint: Option<u32>, slack: f64) -> Option<Near> {
+        if self.residual.is_empty() {
+            return self.nearest_of_mesh(point, hint, slack);
+        }
+        let (mut best, open) = self.nearest_of_surface(point, hint, slack)?;
+        let least = open.iter().map(Piece::lower).fold(best.upper, f64::min);
+        best.lower = (best.upper - slack).min(least).max(0.0);
+        self.settle(point, &mut best);
+        Some(best)
+    }
+
+    fn nearest_of_mesh(&self, point: DVec3, hint: Option<u32>, slack: f64) -> Option<Near> {
         let mut best = hint.map(|t| self.on_triangle(point, t));
-        let limit = best.as_ref().map_or(f64::INFINITY, |b| b.1);
-        self.bvh.nearest(point, limit, |triangle, least| {
+        let limit = best.as_ref().map_or(f64::INFINITY, |b| within(b.1, slack));
+        self.bvh.nearest(point, limit, |triangle, _| {
             let found = self.on_triangle(point, triangle);
             // Ties go to the lowest triangle, so that the order of the search does not show.
-            if found.1 < least || best.as_ref().is_none_or(|b| found.1 == b.1 && triangle < b.0) {
+            if best.as_ref().is_none_or(|b| found.1 < b.1 || found.1 == b.1 && triangle < b.0) {
                 best = Some(found);
             }
-            found.1
+            best.as_ref().map_or(f64::INFINITY, |b| within(b.1, slack))
         });
         let (triangle, square, place, at) = best?;
         let distance = square.sqrt();
-        Some(Near { lower: distance, upper: distance, place, triangle, at })
+        Some(Near { lower: (distance - slack).max(0.0), upper: distance, place, triangle, at })
     }
 
     /// Triangle, squared distance, place and barycentrics.
@@ -56,7 +71,8 @@ impl Sheet<'_> {
         (triangle, place.distance_squared(point), place, at)
     }
 
-    fn nearest_of_surface(&self, point: DVec3, hint: Option<u32>, width: f64) -> Option<Near> {
+    /// The best place on the triangles, and the pieces that may hold a nearer one of the surface.
+    fn nearest_of_surface(&self, point: DVec3, hint: Option<u32>, slack: f64) -> Option<(Near, BinaryHeap<Piece>)> {
         let mut best: Option<Near> = None;
         let mut open: BinaryHeap<Piece> = BinaryHeap::new();
         let mut visit = |triangle: u32, least: f64| {
@@ -65,7 +81,7 @@ impl Sheet<'_> {
             if best.as_ref().is_none_or(|b| upper < b.upper) {
                 best = Some(Near { lower: 0.0, upper, place: piece.place, triangle, at: piece.at });
             }
-            let limit = best.as_ref().map_or(least, |b| b.upper * b.upper);
+            let limit = best.as_ref().map_or(least, |b| within(b.upper * b.upper, slack));
             if piece.lower() <= limit.sqrt() {
                 open.push(piece);
             }
@@ -73,9 +89,7 @@ impl Sheet<'_> {
         };
         let limit = hint.map_or(f64::INFINITY, |t| visit(t, f64::INFINITY));
         self.bvh.nearest(point, limit, &mut visit);
-        let mut best = best?;
-        self.narrow(point, width, &mut best, open);
-        Some(best)
+        Some((best?, open))
     }
 
     /// Cuts the pieces that may hold the nearest place until the bounds are `width` apart.
@@ -109,6 +123,12 @@ impl Sheet<'_> {
         best.place = self.point(best.triangle, best.at);
         best.upper = best.upper.min(best.place.distance(point));
     }
+}
+
+/// The square of a distance less the slack.
+#[inline]
+fn within(square: f64, slack: f64) -> f64 {
+    if slack > 0.0 { (square.sqrt() - slack).max(0.0).powi(2) } else { square }
 }
 
 /// Part of a triangle of a surface.
