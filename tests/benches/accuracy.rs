@@ -21,7 +21,7 @@ const LEVELS: u32 = 7;
 const MOST_TRIANGLES: u64 = 1 << 20;
 /// Height of a map's whole range, and the width of the interval asked for, as shares of the diagonal.
 const SCALE: f64 = 0.03;
-const PRECISION: &str = "1e-3";
+const PRECISION: &str = "2e-3";
 const VIEW: [&str; 4] = ["--size", "192x192", "--aov", "depth,position"];
 
 fn main() {

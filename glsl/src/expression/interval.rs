@@ -30,7 +30,9 @@ impl Interval {
         if lo.is_nan() || hi.is_nan() {
             return Self::WHOLE;
         }
-        Self { lo: lo.next_down().next_down(), hi: hi.next_up().next_up() }
+        // What cannot be below 0 stays so, for the root of a sum of squares.
+        let down = lo.next_down().next_down();
+        Self { lo: if lo >= 0.0 { down.max(0.0) } else { down }, hi: hi.next_up().next_up() }
     }
 
     #[inline]

@@ -24,8 +24,10 @@ use crate::{
 
 /// Triangles a surface is diced into at most, over all meshes; it is known more exactly where that decides.
 const MOST_TRIANGLES: usize = 3_000_000;
-/// A surface is first diced to so many times the precision.
-const COARSE: f64 = 4.0;
+/// A surface is first diced to so many times the precision: cut along its texels, where blind halves converge slowly.
+const COARSE: f64 = 0.5;
+/// Triangles of one of the two, all instances together.
+const MOST_MEASURED: usize = 20_000_000;
 /// From one attempt to the next, where a dicing does not fit.
 const COARSER: f64 = 8.0;
 /// Colours of the scale beside a painted mesh.
@@ -60,6 +62,11 @@ impl Work for MeasureWork {
         let scene = timed(context.progress, "read_result", &mut passes, read)?;
         context.cancel.check()?;
         let precision = request.precision * reference.scene.diagonal;
+        if precision.is_nan() || precision <= 0.0 {
+            return Err(Error::invalid("mesh", "has no extent: a precision relative to its diagonal says nothing"));
+        }
+        check_size("mesh", &reference.scene)?;
+        check_size("result", &scene)?;
         let surfaces = self.surfaces(&reference);
         let dicings =
             timed(context.progress, "dice", &mut passes, || diced(context, &reference, &surfaces, precision))?;
@@ -97,6 +104,17 @@ impl MeasureWork {
     }
 }
 
+/// Triangles of all instances.
+fn check_size(field: &str, scene: &Scene) -> Result<()> {
+    let triangles = |instance: &crate::domain::scene::Instance| scene.meshes[instance.mesh].mesh.triangles.len();
+    let total: usize = scene.instances.iter().map(triangles).sum();
+    if total <= MOST_MEASURED {
+        return Ok(());
+    }
+    let message = format!("its instances have {total} triangles; at most {MOST_MEASURED} are measured: measure parts");
+    Err(Error::too_large(field, message))
+}
+
 /// As coarse as it must be to fit. A detail that jumps, or has no bound, is refused in the end.
 fn diced(
     context: &WorkContext<'_>,
@@ -130,10 +148,11 @@ fn diced_to(
     for (mesh, surface) in surfaces.iter().enumerate() {
         let instances = reference.scene.instances.iter().filter(|instance| instance.mesh == mesh);
         let enlarged = instances.map(|instance| enlargement(&instance.world_from_mesh)).fold(0.0, f64::max);
-        let limits = Limits { max_triangles: left, ..Limits::default() };
+        let uses = reference.scene.instances.iter().filter(|instance| instance.mesh == mesh).count().max(1);
+        let limits = Limits { max_triangles: left / uses, ..Limits::default() };
         let wants_more = |region: &crate::oracle::dicing::Region<'_>| region.deviation * enlarged > residual_world;
         let dicing = dice(surface, &limits, context.cancel, &wants_more)?;
-        left = left.saturating_sub(dicing.triangles.len());
+        left = left.saturating_sub(dicing.triangles.len() * uses);
         all.push(dicing);
     }
     Ok(all)

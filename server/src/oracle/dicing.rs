@@ -26,6 +26,8 @@ pub struct Dicing {
     pub at: Vec<[DVec3; 3]>,
     /// Largest distance of corresponding points of triangle and surface, mesh-local units.
     pub residual: Vec<f32>,
+    /// The most by which a vertex on a seam was moved from where one side has it to where all agree.
+    pub moved: f64,
 }
 
 /// A convex piece of a base triangle that may be cut further.
@@ -74,7 +76,12 @@ pub fn dice(
     let edges = shared_edges(surface, &patches);
     patches.par_iter_mut().enumerate().for_each(|(t, patch)| patch.insert_shared(surface, t, &edges));
     cancel.check()?;
-    Ok(assemble(surface, &patches, &edges))
+    let dicing = assemble(surface, &patches, &edges);
+    if dicing.residual.iter().any(|residual| !residual.is_finite()) {
+        let message = "the surface cannot be bounded everywhere: keep the expression away from division by 0 and from roots and logarithms of numbers near 0";
+        return Err(Error::invalid("details", message));
+    }
+    Ok(dicing)
 }
 
 fn too_many(limits: &Limits) -> Error {
@@ -129,12 +136,14 @@ fn assemble(surface: &Surface<'_>, patches: &[Patch], edges: &SharedEdges) -> Di
         first_of_edge.push(dicing.positions.len() as u32);
         dicing.positions.extend(points.values());
     }
+    let keys: Vec<Vec<u64>> = edges.iter().map(|points| points.keys().copied().collect()).collect();
     let shared = |ge: usize, along: f64| {
-        let bits = near(&edges[ge], along)?;
-        Some(first_of_edge[ge] + edges[ge].range(..bits).count() as u32)
+        let rank = keys[ge].binary_search(&near(&edges[ge], along)?).ok()?;
+        Some(first_of_edge[ge] + rank as u32)
     };
     for (t, patch) in patches.iter().enumerate() {
         patch.append(mesh, t, &shared, &mut dicing);
+        dicing.moved = dicing.moved.max(patch.most_moved());
     }
     dicing
 }

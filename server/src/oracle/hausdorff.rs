@@ -42,6 +42,8 @@ pub struct Directed {
     pub cuts: u64,
 }
 
+/// Pieces that wait to be cut before the interval is returned as it stands: about a gigabyte.
+const MOST_OPEN: usize = 3_000_000;
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
 /// Rounding of one distance, as a share of the largest coordinate.
@@ -75,7 +77,10 @@ pub fn directed(
         open.extend(pieces.into_iter().filter(|p| p.upper > best.lower + wanted));
     }
     let mut cuts = 0;
-    while cuts < settings.max_cuts && open.peek().is_some_and(|p| p.upper > best.lower + wanted) {
+    while cuts < settings.max_cuts
+        && open.len() < MOST_OPEN
+        && open.peek().is_some_and(|p| p.upper > best.lower + wanted)
+    {
         cancel.check()?;
         let batch: Vec<Piece> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         cuts += batch.len() as u64;
@@ -93,7 +98,7 @@ pub fn directed(
     let top = open.peek().map_or(0.0, |p| p.upper);
     let hi = best.lower.max(settled).max(top) + rounding;
     Ok(Some(Directed {
-        lo: (best.lower - rounding).max(0.0),
+        lo: (best.lower - rounding - a.moved()).max(0.0),
         hi,
         at: best.at,
         of_vertex: vertices.iter().map(|near| near.upper).collect(),
@@ -196,7 +201,7 @@ impl Search<'_> {
         let own = if piece.depth == 0 {
             self.a.residual(piece.triangle)
         } else {
-            self.a.deviation(piece.triangle, piece.corners)
+            self.a.deviation(piece.triangle, piece.corners) + self.a.moved()
         };
         let lipschitz = piece.farthest() + longest_side(&piece.places) * (2.0 / 3.0);
         let to_places = piece.near.iter().map(|near| farthest_from(near.place, &piece.places));
@@ -211,6 +216,8 @@ impl Search<'_> {
             let upper = targets().map(|t| self.to_one_patch(&piece.places, t)).fold(upper.min(paired), f64::min);
             piece.upper = own + upper;
         }
+        // What is not a number is not known.
+        piece.upper = if piece.upper.is_nan() { f64::INFINITY } else { piece.upper };
         piece
     }
 

@@ -26,6 +26,7 @@ pub struct Sheet<'s> {
     normals: Vec<[Vec3; 3]>,
     parts: Vec<Part<'s>>,
     largest_residual: f64,
+    moved: f64,
     bvh: Bvh,
 }
 
@@ -49,6 +50,7 @@ pub struct SheetBuilder<'s> {
     residual: Vec<f32>,
     normals: Vec<[Vec3; 3]>,
     parts: Vec<Part<'s>>,
+    moved: f64,
 }
 
 impl<'s> SheetBuilder<'s> {
@@ -76,6 +78,7 @@ impl<'s> SheetBuilder<'s> {
             base: &dicing.base,
             at: &dicing.at,
         };
+        self.moved = self.moved.max(dicing.moved * part.enlargement);
         let first = self.add_positions(dicing.positions.iter().copied(), &world);
         self.triangles.extend(dicing.triangles.iter().map(|t| t.map(|v| first + v)));
         self.residual.extend(dicing.residual.iter().map(|r| ((f64::from(*r) * part.enlargement) as f32).next_up()));
@@ -91,14 +94,14 @@ impl<'s> SheetBuilder<'s> {
     /// All instances are of meshes, or all of surfaces.
     #[must_use]
     pub fn build(self) -> Sheet<'s> {
-        let Self { positions, triangles, residual, normals, parts } = self;
+        let Self { positions, triangles, residual, normals, parts, moved } = self;
         let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
         let margin = |k: usize| residual.get(k).map_or(0.0, |r| f64::from(*r));
         let boxes: Vec<Bounds> =
             triangles.iter().enumerate().map(|(k, t)| Bounds::of(&corners(t)).inflated(margin(k))).collect();
         let bvh = Bvh::build(&boxes);
         let largest_residual = residual.iter().copied().fold(0.0, f32::max).into();
-        Sheet { positions, triangles, residual, normals, parts, largest_residual, bvh }
+        Sheet { positions, triangles, residual, normals, parts, largest_residual, moved, bvh }
     }
 }
 
@@ -112,6 +115,12 @@ impl Sheet<'_> {
     #[must_use]
     pub fn residual(&self, triangle: u32) -> f64 {
         self.residual.get(triangle as usize).map_or(0.0, |r| f64::from(*r))
+    }
+
+    /// The most by which a vertex lies beside the places that [`Self::point`] gives around it: at open seams.
+    #[must_use]
+    pub fn moved(&self) -> f64 {
+        self.moved
     }
 
     #[must_use]
@@ -220,8 +229,8 @@ fn largest_singular_value(m: &DMat3) -> f64 {
         if scale <= 0.0 {
             return 0.0;
         }
-        power = power * (1.0 / scale);
-        power = power * power;
+        power *= 1.0 / scale;
+        power *= power;
     }
     // tr(Aⁿ⁺¹) / tr(Aⁿ) is at most the largest eigenvalue; their difference is below 3^(1/64).
     let trace = |m: &DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;

@@ -102,7 +102,18 @@ pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
         geometry: Some(geometry),
         ..v1::DisplaceRequest::default()
     };
-    Ok(MeasureRequest { reference: displace("", reference)?, mesh, resources, precision, colors: request.colors })
+    // The geometry is ours; its fields are the request's own.
+    let named = |mut error: Error| {
+        error.field = error.field.map(|field| field.strip_prefix("geometry.").unwrap_or(&field).to_owned());
+        error
+    };
+    Ok(MeasureRequest {
+        reference: displace("", reference).map_err(named)?,
+        mesh,
+        resources,
+        precision,
+        colors: request.colors,
+    })
 }
 
 /// The method that realises every layer.

@@ -97,7 +97,7 @@ impl Patch {
                 }
             }
             let triangles = polygon.corners.len() - 2;
-            if spent.fetch_add(triangles, Ordering::Relaxed) > limits.max_triangles {
+            if spent.fetch_add(triangles, Ordering::Relaxed) + triangles > limits.max_triangles {
                 return None;
             }
             patch.polygons.push(polygon);
@@ -115,11 +115,15 @@ impl Patch {
         all
     }
 
+    /// In order, the ends left out. With a stack of its own: a long edge is split thousands of times in a row.
     fn between(&self, from: u32, to: u32, all: &mut Vec<u32>) {
-        if let Some(&middle) = self.splits.get(&edge_key(from, to)) {
-            self.between(from, middle, all);
-            all.push(middle);
-            self.between(middle, to, all);
+        let mut open = vec![(from, to)];
+        while let Some((from, to)) = open.pop() {
+            if from == to {
+                all.push(from);
+            } else if let Some(&middle) = self.splits.get(&edge_key(from, to)) {
+                open.extend([(middle, to), (middle, middle), (from, middle)]);
+            }
         }
     }
 
@@ -169,6 +173,10 @@ impl Patch {
         self.vertices.push(Vertex { b, position: surface.position(t, b), moved: 0.0 });
         self.splits.insert(edge_key(from, to), middle);
         middle
+    }
+
+    pub(super) fn most_moved(&self) -> f64 {
+        self.vertices.iter().map(|vertex| vertex.moved).fold(0.0, f64::max)
     }
 
     pub(super) fn is_finite(&self) -> bool {

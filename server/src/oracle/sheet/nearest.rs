@@ -228,15 +228,28 @@ pub(crate) fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, DV
     if sum <= 0.0 {
         return closest_on_sides(p, [a, b, c]);
     }
-    let (v, w) = (vb / sum, vc / sum);
+    let (v, w) = refined(p, a, ab, ac, vb / sum, vc / sum);
     let inside = a + ab * v + ac * w;
-    // The inner formula loses its digits on slivers, whose sides do not.
+    // What is refined out of the triangle is nearest to a side; so are slivers, where digits are lost.
     let sides = closest_on_sides(p, [a, b, c]);
     if sides.0.distance_squared(p) < inside.distance_squared(p) {
         sides
     } else {
         (inside, DVec3::new(1.0 - v - w, v, w))
     }
+}
+
+/// One step towards the foot of p on the plane, across directions at right angles.
+#[inline]
+fn refined(p: DVec3, a: DVec3, ab: DVec3, ac: DVec3, v: f64, w: f64) -> (f64, f64) {
+    let along = ab.normalize_or_zero();
+    let across = ac - along * along.dot(ac);
+    let rest = p - (a + ab * v + ac * w);
+    let dw = rest.dot(across) / across.length_squared();
+    let dv = (rest.dot(along) - dw * ac.dot(along)) / ab.length();
+    let (better_v, better_w) = (v + dv, w + dw);
+    let inside = better_v >= 0.0 && better_w >= 0.0 && better_v + better_w <= 1.0;
+    if inside { (better_v, better_w) } else { (v, w) }
 }
 
 fn closest_on_sides(p: DVec3, corners: [DVec3; 3]) -> (DVec3, DVec3) {

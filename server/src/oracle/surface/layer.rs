@@ -79,8 +79,9 @@ pub(super) fn texture_coordinates(mesh: &Mesh, details: &[Option<Arc<Detail>>]) 
         let set = detail.as_ref().map(|detail| format!("TEXCOORD_{}", detail.uv_set));
         let set = set.and_then(|semantic| mesh.attribute(&semantic));
         let Some(set) = set.filter(|a| a.components == 2 && a.primitives[p]) else { continue };
-        for av in primitive.avs.start as usize..primitive.avs.end as usize {
-            uv[av] = [set.values[2 * av], set.values[2 * av + 1]].map(f64::from);
+        let avs = primitive.avs.start as usize..primitive.avs.end as usize;
+        for (uv, value) in uv[avs.clone()].iter_mut().zip(set.values[2 * avs.start..].chunks_exact(2)) {
+            *uv = [value[0], value[1]].map(f64::from);
         }
     }
     uv

@@ -83,8 +83,11 @@ fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     })
 }
 
+/// Positions, triangles and colours.
+type Bar = (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<[u8; 3]>);
+
 /// A strip as high as the mesh, a tenth as wide, a tenth to its right.
-fn bar(painted: &Painted<'_>) -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<[u8; 3]>) {
+fn bar(painted: &Painted<'_>) -> Bar {
     let (low, high) = bounds(painted.positions);
     let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f32::max);
     let (left, right) = (high[0] + 0.1 * size, high[0] + 0.2 * size);
