@@ -246,7 +246,7 @@ pub(crate) struct MeasureArgs {
     /// Width of the ramp that reconciles a seam's sides; 0 is off
     #[arg(long, value_name = "TEXELS", default_value = "3", value_parser = values::not_negative, allow_hyphen_values = true, help_heading = "Geometry")]
     pub(crate) feather: f32,
-    /// Width of the interval, as a share of the reference's diagonal, 1e-9 to 1
+    /// Width of the interval, as a share of the reference's diagonal, 1e-7 to 1
     #[arg(long, value_name = "P", default_value = "1e-4", value_parser = values::share, allow_hyphen_values = true)]
     pub(crate) precision: f64,
     /// Write the judged mesh coloured by its distance, with a scale beside it

@@ -28,8 +28,8 @@ pub(crate) fn unit_interval(text: &str) -> Result<f32, String> {
 /// A share of the diagonal that a distance can be known to.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     match f64::from_str(text) {
-        Ok(value) if (1e-9..=1.0).contains(&value) => Ok(value),
-        _ => Err("expected a share of the diagonal, 1e-9 to 1, such as 1e-4".to_owned()),
+        Ok(value) if (1e-7..=1.0).contains(&value) => Ok(value),
+        _ => Err("expected a share of the diagonal, 1e-7 to 1, such as 1e-4".to_owned()),
     }
 }
 

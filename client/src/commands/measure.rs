@@ -103,9 +103,11 @@ fn facts_json(facts: &SheetFacts) -> Value {
         "degenerate_triangles": facts.degenerate_triangles,
         "components": facts.components,
         "euler_characteristic": facts.euler_characteristic,
-        "facing_back": facts.facing_back,
         "residual": facts.residual,
     });
+    if let Some(back) = facts.facing_back {
+        value["facing_back"] = back.into();
+    }
     if let Some(pairs) = facts.self_intersections {
         value["self_intersections"] = pairs.into();
     }
@@ -144,7 +146,7 @@ fn words(found: &Measurement, report: &Report) -> String {
         count(facts.boundary_edges),
         count(facts.nonmanifold_edges),
         count(facts.degenerate_triangles),
-        count(facts.facing_back),
+        count(facts.facing_back.unwrap_or_default()),
         facts.self_intersections.map_or_else(String::new, |n| format!(", {} self-intersections", count(n)))
     ));
     lines.extend(report.warnings.iter().map(|w| format!("warning: {}", w.message)));

@@ -11,6 +11,11 @@ pub struct Interval {
     pub hi: f64,
 }
 
+/// Two units in the last place, as a share of any number.
+const TWO_UNITS: f64 = 2.0 * f64::EPSILON;
+/// More than two units of the smallest numbers, and far from them: they are slow to calculate with.
+const TINY: f64 = 1e-290;
+
 impl Interval {
     pub const WHOLE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
@@ -30,9 +35,11 @@ impl Interval {
         if lo.is_nan() || hi.is_nan() {
             return Self::WHOLE;
         }
+        // Infinite ends stay; `min` keeps ∞ − ∞ out.
+        let down = lo - (lo.abs() * TWO_UNITS + TINY).min(f64::MAX);
+        let up = hi + (hi.abs() * TWO_UNITS + TINY).min(f64::MAX);
         // What cannot be below 0 stays so, for the root of a sum of squares.
-        let down = lo.next_down().next_down();
-        Self { lo: if lo >= 0.0 { down.max(0.0) } else { down }, hi: hi.next_up().next_up() }
+        Self { lo: if lo >= 0.0 { down.max(0.0) } else { down }, hi: up }
     }
 
     #[inline]

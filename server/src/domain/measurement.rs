@@ -77,8 +77,9 @@ pub struct SheetFacts {
     pub degenerate_triangles: u64,
     pub components: u64,
     pub euler_characteristic: i64,
-    /// Triangles that face against their own shading normals.
-    pub facing_back: u64,
+    /// Triangles that face against their own shading normals; absent of a surface, whose normals are its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub facing_back: Option<u64>,
     /// Largest distance of a diced surface's triangles to it; 0 of a mesh.
     pub residual: f64,
     /// Pairs of triangles that run through each other; absent where they were not searched for.

@@ -3,6 +3,7 @@
 //!
 //! The triangles meet without cracks: what is cut on a base edge from one side is cut from all.
 
+mod kinks;
 mod patch;
 
 use std::collections::BTreeMap;
@@ -64,10 +65,7 @@ pub fn dice(
 ) -> Result<Dicing> {
     let count = surface.mesh().triangles.len();
     let spent = std::sync::atomic::AtomicUsize::new(0);
-    let one = |t: usize| {
-        cancel.check()?;
-        Patch::cut(surface, t, limits, &spent, wants_more).ok_or_else(|| too_many(limits))
-    };
+    let one = |t: usize| Patch::cut(surface, t, limits, &spent, cancel, wants_more);
     let mut patches: Vec<Patch> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
     if !patches.par_iter().all(Patch::is_finite) {
         let message = "the surface is not finite everywhere: lower the scale, or keep the expression away from division by 0, roots and logarithms of negative numbers";
@@ -86,9 +84,9 @@ pub fn dice(
 
 fn too_many(limits: &Limits) -> Error {
     Error::too_large(
-        "precision",
+        "details",
         format!(
-            "the surface takes more than {} triangles: allow a larger error, or use a smaller map",
+            "the surface takes more than {} triangles: allow a larger error, show it smaller, or use a smaller map",
             limits.max_triangles
         ),
     )

@@ -4,7 +4,7 @@
 //! a piece of A gives an upper bound, and the pieces with the largest are cut until the bounds meet (branch
 //! and bound; Tang, Lee and Kim 2009). For a piece with corners cᵢ and distances dᵢ:
 //! * distance to a convex set is convex, so to one triangle of B it is largest at a corner;
-//! * distance is 1-Lipschitz, so it is at most max dᵢ + ⅔ of the longest side anywhere;
+//! * distance is 1-Lipschitz, so it is at most max dᵢ + how far any place is from the nearest corner;
 //! * to a surface, the piece pairs with the surface's places between those nearest to its corners, or with those over
 //!   its feet on one triangle for the surface.
 
@@ -46,8 +46,10 @@ pub struct Directed {
 const MOST_OPEN: usize = 3_000_000;
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
-/// Rounding of one distance, as a share of the largest coordinate.
+/// Rounding of one distance, as a share of the largest number in it.
 const ROUNDING: f64 = 1e-14;
+/// More than a few operations round off.
+const ROUNDED_UP: f64 = 1.0 + 1e-14;
 /// Cuts at the borders of nearest triangles come no nearer to an end than this.
 const MARGIN: f64 = 0.03;
 /// Pieces deeper than this are cut in halves, so that they shrink surely.
@@ -94,7 +96,7 @@ pub fn directed(
         }
         progress.pass("measure", cuts, 0);
     }
-    let rounding = ROUNDING * search.largest_coordinate();
+    let rounding = ROUNDING * a.magnitude().max(b.magnitude());
     let top = open.peek().map_or(0.0, |p| p.upper);
     let hi = best.lower.max(settled).max(top) + rounding;
     Ok(Some(Directed {
@@ -141,11 +143,6 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
-    fn largest_coordinate(&self) -> f64 {
-        let bounds = self.a.bounds().union(self.b.bounds());
-        bounds.low.abs().max(bounds.high.abs()).max_element()
-    }
-
     fn vertices(&self, cancel: &Cancel) -> Result<Vec<Near>> {
         let chunk = 1 << 14;
         let of_chunk = |places: &[DVec3]| -> Result<Vec<Near>> {
@@ -203,28 +200,32 @@ impl Search<'_> {
         } else {
             self.a.deviation(piece.triangle, piece.corners) + self.a.moved()
         };
-        let lipschitz = piece.farthest() + longest_side(&piece.places) * (2.0 / 3.0);
+        let lipschitz = piece.farthest() + covering_radius(&piece.places);
         let to_places = piece.near.iter().map(|near| farthest_from(near.place, &piece.places));
-        let upper = to_places.fold(lipschitz, f64::min);
+        let mut upper = to_places.fold(lipschitz, f64::min);
         let [a, b, c] = piece.near.map(|near| near.triangle);
         let targets = [Some(a), (b != a).then_some(b), (c != a && c != b).then_some(c)];
-        let targets = || targets.into_iter().flatten();
-        let upper = targets().map(|t| self.to_one_triangle(&piece.places, t)).fold(upper, f64::min);
-        piece.upper = own + upper;
-        if piece.upper > enough && self.b.largest_residual() > 0.0 {
-            let paired = self.paired(&piece).unwrap_or(f64::INFINITY);
-            let upper = targets().map(|t| self.to_one_patch(&piece.places, t)).fold(upper.min(paired), f64::min);
-            piece.upper = own + upper;
+        for target in targets.into_iter().flatten() {
+            if own + upper > enough {
+                upper = upper.min(self.to_one(&piece.places, target, enough - own));
+            }
         }
+        if own + upper > enough && self.b.largest_residual() > 0.0 {
+            upper = upper.min(self.paired(&piece, enough - own).unwrap_or(f64::INFINITY));
+        }
+        piece.upper = own + upper;
         // What is not a number is not known.
         piece.upper = if piece.upper.is_nan() { f64::INFINITY } else { piece.upper };
         piece
     }
 
-    fn to_one_triangle(&self, places: &[DVec3; 3], triangle: u32) -> f64 {
-        let other = self.b.corners(triangle);
-        let farthest = places.iter().map(|&p| distance_to_triangle(p, other)).fold(0.0, f64::max);
-        farthest + self.b.residual(triangle)
+    /// To one triangle of B; where its residual decides, to the surface it stands for.
+    fn to_one(&self, places: &[DVec3; 3], triangle: u32, enough: f64) -> f64 {
+        let (other, residual) = (self.b.corners(triangle), self.b.residual(triangle));
+        let distance = places.iter().map(|&p| distance_to_triangle(p, other)).fold(0.0, f64::max);
+        let upper = distance + residual;
+        let residual_decides = upper > enough && distance - residual <= enough && residual > 0.0;
+        if residual_decides { upper.min(self.to_one_patch(places, triangle)) } else { upper }
     }
 
     /// To the part of the surface that lies over the feet of the piece on one triangle for it.
@@ -235,10 +236,10 @@ impl Search<'_> {
         distances.fold(0.0, f64::max) + self.b.deviation(triangle, feet)
     }
 
-    /// To the part of the surface between the places nearest to the corners.
-    fn paired(&self, piece: &Piece) -> Option<f64> {
-        let deviation = self.b.deviation_between(piece.near.map(|near| (near.triangle, near.at)))?;
-        Some(piece.farthest() + deviation)
+    /// To the part of the surface between the places nearest to the corners; `None` where that is not near enough.
+    fn paired(&self, piece: &Piece, enough: f64) -> Option<f64> {
+        let farthest = piece.farthest();
+        Some(farthest + self.b.deviation_between(&piece.near, enough - farthest)?)
     }
 
     fn cut(&self, piece: &Piece, lower: f64, wanted: f64) -> [Piece; 2] {
@@ -308,9 +309,19 @@ fn longest(places: &[DVec3; 3]) -> usize {
     (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0)
 }
 
-fn longest_side(places: &[DVec3; 3]) -> f64 {
+/// No point of a triangle is farther from its nearest corner: the circumradius, or half the longest side of an
+/// obtuse one, whose circumcentre lies outside.
+fn covering_radius(places: &[DVec3; 3]) -> f64 {
     let k = longest(places);
-    places[k].distance(places[(k + 1) % 3])
+    let (a, b, c) = (places[k], places[(k + 1) % 3], places[(k + 2) % 3]);
+    let (side, p, q) = (b - a, a - c, b - c);
+    let half = 0.5 * side.length();
+    if p.dot(q) <= 0.0 {
+        return half * ROUNDED_UP;
+    }
+    // At most 1/√3 of the longest side, whatever rounding makes of the area.
+    let circumradius = half * (p.length() * q.length() / p.cross(q).length());
+    circumradius.min(2.0 * half / 3f64.sqrt()) * ROUNDED_UP
 }
 
 impl PartialEq for Piece {

@@ -28,7 +28,7 @@ impl IntervalJet {
     /// f(self, o) where `a` and `b` bound f's partial derivatives.
     #[inline]
     fn chain2(self, o: Self, value: Interval, a: Interval, b: Interval) -> Self {
-        let slope = std::array::from_fn(|k| product(self.slope[k], a).add(product(o.slope[k], b)));
+        let slope = std::array::from_fn(|k| sum(product(self.slope[k], a), product(o.slope[k], b)));
         Self { value, slope }
     }
 
@@ -50,6 +50,18 @@ fn product(a: Interval, b: Interval) -> Interval {
     if a == ZERO || b == ZERO { ZERO } else { a.mul(b) }
 }
 
+/// What is flat adds nothing, not even rounding.
+#[inline]
+fn sum(a: Interval, b: Interval) -> Interval {
+    if a == ZERO {
+        b
+    } else if b == ZERO {
+        a
+    } else {
+        a.add(b)
+    }
+}
+
 #[inline]
 #[must_use]
 pub fn hull(a: Interval, b: Interval) -> Interval {
@@ -63,11 +75,11 @@ impl Number for IntervalJet {
     }
     #[inline]
     fn add(self, o: Self) -> Self {
-        Self { value: self.value.add(o.value), slope: std::array::from_fn(|k| self.slope[k].add(o.slope[k])) }
+        Self { value: self.value.add(o.value), slope: std::array::from_fn(|k| sum(self.slope[k], o.slope[k])) }
     }
     #[inline]
     fn sub(self, o: Self) -> Self {
-        Self { value: self.value.sub(o.value), slope: std::array::from_fn(|k| self.slope[k].sub(o.slope[k])) }
+        Self { value: self.value.sub(o.value), slope: std::array::from_fn(|k| sum(self.slope[k], o.slope[k].neg())) }
     }
     #[inline]
     fn mul(self, o: Self) -> Self {

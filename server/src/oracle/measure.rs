@@ -37,6 +37,10 @@ pub fn measure(
     progress: &dyn Progress,
 ) -> Result<Measured> {
     let settings = Settings { precision: precision_world, max_cuts: MOST_CUTS };
+    let empty = || {
+        let field = if a.triangles.is_empty() { "mesh" } else { "result" };
+        Error::invalid(field, "has no triangles: there is nothing to measure")
+    };
     let there = directed(a, b, &settings, cancel, progress)?.ok_or_else(empty)?;
     let back = directed(b, a, &settings, cancel, progress)?.ok_or_else(empty)?;
     let width = precision_world / 8.0;
@@ -66,10 +70,6 @@ pub fn measure(
         b: facts_b,
     };
     Ok(Measured { measurement, warnings, of_vertex: back.of_vertex })
-}
-
-fn empty() -> Error {
-    Error::invalid("mesh", "has no triangles: there is nothing to measure")
 }
 
 fn distance(found: &Directed, samples: &[Sampled]) -> Distance {

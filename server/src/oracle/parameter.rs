@@ -131,8 +131,8 @@ fn range(values: impl Iterator<Item = f64>) -> Interval {
     Interval::new(lo, hi)
 }
 
-/// A region reaches so far into the next cell without touching it: what cutting along grid lines leaves.
-const CELL_SLACK: f64 = 1e-9;
+/// A region reaches so far into the next cell without touching it, texels: what cutting along grid lines leaves.
+pub(super) const CELL_SLACK: f64 = 1e-9;
 /// A region over more cells is bounded by the whole map.
 const MOST_CELLS: i64 = 1024;
 

@@ -27,6 +27,7 @@ pub struct Sheet<'s> {
     parts: Vec<Part<'s>>,
     largest_residual: f64,
     moved: f64,
+    magnitude: f64,
     bvh: Bvh,
 }
 
@@ -51,6 +52,7 @@ pub struct SheetBuilder<'s> {
     normals: Vec<[Vec3; 3]>,
     parts: Vec<Part<'s>>,
     moved: f64,
+    magnitude: f64,
 }
 
 impl<'s> SheetBuilder<'s> {
@@ -87,6 +89,10 @@ impl<'s> SheetBuilder<'s> {
 
     fn add_positions(&mut self, positions: impl Iterator<Item = DVec3>, world: &DAffine3) -> u32 {
         let first = self.positions.len() as u32;
+        let absolute = DAffine3 { matrix3: world.matrix3.abs(), translation: world.translation.abs() };
+        let positions = positions.inspect(|p| {
+            self.magnitude = self.magnitude.max(absolute.transform_point3(p.abs()).max_element());
+        });
         self.positions.extend(positions.map(|p| world.transform_point3(p)));
         first
     }
@@ -94,14 +100,14 @@ impl<'s> SheetBuilder<'s> {
     /// All instances are of meshes, or all of surfaces.
     #[must_use]
     pub fn build(self) -> Sheet<'s> {
-        let Self { positions, triangles, residual, normals, parts, moved } = self;
+        let Self { positions, triangles, residual, normals, parts, moved, magnitude } = self;
         let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
         let margin = |k: usize| residual.get(k).map_or(0.0, |r| f64::from(*r));
         let boxes: Vec<Bounds> =
             triangles.iter().enumerate().map(|(k, t)| Bounds::of(&corners(t)).inflated(margin(k))).collect();
         let bvh = Bvh::build(&boxes);
         let largest_residual = residual.iter().copied().fold(0.0, f32::max).into();
-        Sheet { positions, triangles, residual, normals, parts, largest_residual, moved, bvh }
+        Sheet { positions, triangles, residual, normals, parts, largest_residual, moved, magnitude, bvh }
     }
 }
 
@@ -123,20 +129,29 @@ impl Sheet<'_> {
         self.moved
     }
 
+    /// The largest number that a coordinate was added up from: what rounding goes by.
+    #[must_use]
+    pub fn magnitude(&self) -> f64 {
+        self.magnitude
+    }
+
     #[must_use]
     pub fn largest_residual(&self) -> f64 {
         self.largest_residual
     }
 
-    /// Triangles that face against their own shading normals.
+    /// Triangles that face against their own shading normals; `None` of a surface, whose normals are its own.
     #[must_use]
-    pub fn facing_back(&self) -> u64 {
+    pub fn facing_back(&self) -> Option<u64> {
+        if !self.parts.is_empty() {
+            return None;
+        }
         let back = |t: u32| {
             let [a, b, c] = self.corners(t);
             let third = DVec3::splat(1.0 / 3.0);
             (b - a).cross(c - a).dot(self.normal(t, third)) < 0.0
         };
-        (0..self.triangles.len() as u32).into_par_iter().filter(|&t| back(t)).count() as u64
+        Some((0..self.triangles.len() as u32).into_par_iter().filter(|&t| back(t)).count() as u64)
     }
 
     #[must_use]
@@ -176,16 +191,23 @@ impl Sheet<'_> {
         part.surface.deviation(part.base[k] as usize, &region) * part.enlargement
     }
 
-    /// As [`Self::deviation`], between places of any triangles of one base triangle; `None` where they are not.
+    /// As [`Self::deviation`], between places found on any triangles of one base triangle; `None` where they are not,
+    /// and where it is plainly more than `at_most`.
     #[must_use]
-    pub fn deviation_between(&self, places: [(u32, DVec3); 3]) -> Option<f64> {
-        let found = places.map(|(triangle, _)| self.part(triangle));
+    pub fn deviation_between(&self, places: &[Near; 3], at_most: f64) -> Option<f64> {
+        let found = places.each_ref().map(|near| self.part(near.triangle));
         let [Some((a, i)), Some((b, j)), Some((c, k))] = found else { return None };
         let same = a.first_triangle == b.first_triangle && a.first_triangle == c.first_triangle;
         if !same || a.base[i] != a.base[j] || a.base[i] != a.base[k] {
             return None;
         }
-        let region = [(i, 0), (j, 1), (k, 2)].map(|(k, p)| blend(a.at[k], places[p].1));
+        let region = [(i, 0), (j, 1), (k, 2)].map(|(k, p)| blend(a.at[k], places[p].at));
+        // One place shows most of what deviates too far, without bounds.
+        let third = DVec3::splat(1.0 / 3.0);
+        let middle = a.world_from_mesh.transform_point3(a.surface.position(a.base[i] as usize, blend(region, third)));
+        if at_most.is_nan() || middle.distance(blend(places.each_ref().map(|near| near.place), third)) > at_most {
+            return None;
+        }
         Some(a.surface.deviation(a.base[i] as usize, &region) * a.enlargement)
     }
 

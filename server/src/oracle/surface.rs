@@ -34,6 +34,8 @@ pub struct Surface<'m> {
     /// The texture coordinates each attribute vertex is read at.
     uv: Vec<[f64; 2]>,
     seams: Seams,
+    /// What [`Surface::deviation`] leaves out at borders of texels, mesh-local units.
+    slack: f64,
 }
 
 /// How the sides of seams become one, as [`Geometry`] has it.
@@ -56,7 +58,8 @@ impl<'m> Surface<'m> {
     pub fn new(mesh: &'m Mesh, details: &[Option<Arc<Detail>>], choice: SeamChoice) -> Self {
         let layers = layer::of_primitives(details);
         let uv = layer::texture_coordinates(mesh, details);
-        let mut surface = Self { mesh, layers, uv, seams: Seams::default() };
+        let slack = layer::slack(mesh, &layers);
+        let mut surface = Self { mesh, layers, uv, seams: Seams::default(), slack };
         surface.seams = Seams::new(&surface, details, choice);
         surface
     }
@@ -115,6 +118,7 @@ impl<'m> Surface<'m> {
             if by_slopes < by_values { by_slopes } else { by_values }
         };
         let bound = DVec3::from_array([0, 1, 2].map(|k| component(&bounds[k]))).length();
+        let bound = bound + self.slack;
         if bound.is_nan() { f64::INFINITY } else { bound }
     }
 

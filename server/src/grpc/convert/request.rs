@@ -79,7 +79,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
 
 /// Share of the diagonal.
 const DEFAULT_PRECISION: f64 = 1e-4;
-const PRECISION: std::ops::RangeInclusive<f64> = 1e-9..=1.0;
+const PRECISION: std::ops::RangeInclusive<f64> = 1e-7..=1.0;
 
 pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
     let (mesh, resources) = mesh_source("result", request.result)?;

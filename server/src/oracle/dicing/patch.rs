@@ -1,20 +1,24 @@
 //! One base triangle, cut into convex regions.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
     hash::{BuildHasherDefault, Hasher},
     sync::atomic::{AtomicUsize, Ordering},
 };
 
 use glam::DVec3;
 
-use super::{Dicing, Limits, Region, SharedEdges};
-use crate::{domain::mesh::Mesh, oracle::surface::Surface};
+use super::{
+    Dicing, Limits, Region, SharedEdges,
+    kinks::{Cut, GRID_SLACK, Kinks, MOST_FAN_LINES, halving},
+};
+use crate::{
+    domain::{Result, cancel::Cancel, mesh::Mesh},
+    oracle::surface::Surface,
+};
 
-/// Whole numbers of a grid within this of a region's border do not cut it.
-const GRID_SLACK: f64 = 1e-9;
-/// Texel borders of the other side of a seam that are followed into its ramp.
-const MOST_FAN_LINES: usize = 256;
+/// Regions between two looks at whether the caller still waits.
+const CANCEL_EVERY: usize = 256;
 
 /// Vertices, and polygons of them.
 pub(super) struct Patch {
@@ -59,21 +63,16 @@ struct Polygon {
     deviation: f64,
 }
 
-/// A straight cut: `line · b = 0`, in texels or with a largest component of 1.
-#[derive(Clone, Copy)]
-struct Cut {
-    line: DVec3,
-}
-
 impl Patch {
-    /// `None` when all patches together have more than the allowed triangles.
+    /// Fails when cancelled, and when all patches together have more than the allowed triangles.
     pub(super) fn cut(
         surface: &Surface<'_>,
         t: usize,
         limits: &Limits,
         spent: &AtomicUsize,
+        cancel: &Cancel,
         wants_more: &(dyn Fn(&Region<'_>) -> bool + Sync),
-    ) -> Option<Self> {
+    ) -> Result<Self> {
         let corners =
             [DVec3::X, DVec3::Y, DVec3::Z].map(|b| Vertex { b, position: surface.position(t, b), moved: 0.0 });
         let lengths = [1, 2].map(|k| corners[k].position.distance(corners[0].position));
@@ -81,6 +80,9 @@ impl Patch {
         let kinks = Kinks { grids: surface.grids(t), lines: surface.seam_lines(t, MOST_FAN_LINES) };
         let mut open = vec![Polygon { corners: vec![0, 1, 2], depth: 0, deviation: 0.0 }];
         while let Some(mut polygon) = open.pop() {
+            if patch.polygons.len().is_multiple_of(CANCEL_EVERY) {
+                cancel.check()?;
+            }
             polygon.corners = patch.expanded(&polygon.corners);
             let b: Vec<DVec3> = polygon.corners.iter().map(|&v| patch.vertices[v as usize].b).collect();
             let positions: Vec<DVec3> = polygon.corners.iter().map(|&v| patch.vertices[v as usize].position).collect();
@@ -98,11 +100,11 @@ impl Patch {
             }
             let triangles = polygon.corners.len() - 2;
             if spent.fetch_add(triangles, Ordering::Relaxed) + triangles > limits.max_triangles {
-                return None;
+                return Err(super::too_many(limits));
             }
             patch.polygons.push(polygon);
         }
-        Some(patch)
+        Ok(patch)
     }
 
     /// Corners with everything that has been put between them since.
@@ -200,10 +202,7 @@ impl Patch {
         let mesh = surface.mesh();
         for k in 0..3 {
             let ge = mesh.ae_ge[mesh.triangles[t].ae[k] as usize] as usize;
-            for (&bits, &place) in &edges[ge] {
-                let vertex = self.vertex_on_side(surface, t, k, f64::from_bits(bits));
-                self.move_to(vertex as usize, place);
-            }
+            self.insert_on_side(surface, t, k, &edges[ge]);
             let gv = mesh.av_gv[mesh.triangles[t].av[k] as usize];
             self.move_to(k, surface.corner_position(gv as usize, self.vertices[k].position));
         }
@@ -215,21 +214,33 @@ impl Patch {
         vertex.position = place;
     }
 
-    /// The vertex at `along` on side k; made where there is none.
-    fn vertex_on_side(&mut self, surface: &Surface<'_>, t: usize, k: usize, along: f64) -> u32 {
+    /// Goes along side k once, past its own vertices and the shared points in one order.
+    fn insert_on_side(&mut self, surface: &Surface<'_>, t: usize, k: usize, points: &BTreeMap<u64, DVec3>) {
         let mesh = surface.mesh();
-        let mut chain = vec![k as u32];
-        self.between(k as u32, (k as u32 + 1) % 3, &mut chain);
-        chain.push((k as u32 + 1) % 3);
-        let at = |v: u32| along_edge(mesh, t, k, self.vertices[v as usize].b);
-        let same = |v: &&u32| (at(**v) - along).abs() <= super::SAME_POINT;
-        if let Some(&known) = chain[1..chain.len() - 1].iter().find(same) {
-            return known;
+        let (mut last, end) = (k as u32, (k as u32 + 1) % 3);
+        let mut own = Vec::new();
+        self.between(last, end, &mut own);
+        let mut own = own.into_iter().peekable();
+        let rising = ends(mesh, t, k).0 == k;
+        let shared = points.iter().map(|(&bits, &place)| (f64::from_bits(bits), place));
+        let shared: Vec<(f64, DVec3)> = if rising { shared.collect() } else { shared.rev().collect() };
+        for (along, place) in shared {
+            let past = |patch: &Self, v: u32| {
+                let ahead = along_edge(mesh, t, k, patch.vertices[v as usize].b) - along;
+                if rising { ahead } else { -ahead }
+            };
+            while let Some(passed) = own.next_if(|&v| past(self, v) < -super::SAME_POINT) {
+                last = passed;
+            }
+            last = match own.next_if(|&v| past(self, v) <= super::SAME_POINT) {
+                Some(known) => known,
+                None => {
+                    let next = own.peek().copied().unwrap_or(end);
+                    self.put_between(surface, t, last, next, on_edge(mesh, t, k, along))
+                }
+            };
+            self.move_to(last as usize, place);
         }
-        let rising = at(chain[0]) < at(chain[chain.len() - 1]);
-        let next = chain.iter().position(|&v| if rising { at(v) > along } else { at(v) < along });
-        let next = next.unwrap_or(chain.len() - 1).max(1);
-        self.put_between(surface, t, chain[next - 1], chain[next], on_edge(mesh, t, k, along))
     }
 
     /// Adds the regions as triangles. `shared` numbers the points of base edges.
@@ -319,49 +330,4 @@ fn ends(mesh: &Mesh, t: usize, k: usize) -> (usize, usize) {
     let triangle = &mesh.triangles[t];
     let forward = mesh.ae_av[triangle.ae[k] as usize][0] == triangle.av[k];
     if forward { (k, (k + 1) % 3) } else { ((k + 1) % 3, k) }
-}
-
-/// Lines along which a base triangle's surface has kinks.
-struct Kinks {
-    /// Functions over the corners whose whole numbers are kinks.
-    grids: Vec<[f64; 3]>,
-    lines: Vec<DVec3>,
-}
-
-impl Kinks {
-    /// The cut that leaves the fewest further ones.
-    fn cut(&self, region: &[DVec3]) -> Option<Cut> {
-        let mut best: Option<(f64, Cut)> = None;
-        for grid in &self.grids {
-            let grid = DVec3::from_array(*grid);
-            let (low, high) = extremes(region, grid);
-            let (first, last) = ((low + GRID_SLACK).floor() + 1.0, (high - GRID_SLACK).ceil() - 1.0);
-            let count = last - first + 1.0;
-            if count >= 1.0 && best.as_ref().is_none_or(|(most, _)| count > *most) {
-                let middle = ((first + last) * 0.5).floor();
-                best = Some((count, Cut { line: grid - middle }));
-            }
-        }
-        best.map(|(_, cut)| cut).or_else(|| self.line_through(region))
-    }
-
-    fn line_through(&self, region: &[DVec3]) -> Option<Cut> {
-        let crosses = |line: &&DVec3| {
-            let (low, high) = extremes(region, **line);
-            low < -GRID_SLACK && high > GRID_SLACK
-        };
-        self.lines.iter().find(crosses).map(|line| Cut { line: *line })
-    }
-}
-
-fn extremes(region: &[DVec3], line: DVec3) -> (f64, f64) {
-    region.iter().map(|b| line.dot(*b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)))
-}
-
-/// Across the middle of the longer side of the region's box: whatever its corners, its parts are smaller.
-fn halving(b: &[DVec3], lengths: [f64; 2]) -> Cut {
-    let [w1, w2] = [DVec3::Y, DVec3::Z].map(|axis| extremes(b, axis));
-    let longer = (w1.1 - w1.0) * lengths[0] >= (w2.1 - w2.0) * lengths[1];
-    let (axis, (low, high)) = if longer { (DVec3::Y, w1) } else { (DVec3::Z, w2) };
-    Cut { line: axis - 0.5 * (low + high) }
 }

@@ -4,17 +4,21 @@ use std::sync::Arc;
 
 use displace_glsl::expression::{Instruction, evaluate};
 
-use super::{Parameter, Surface, add};
+use glam::DVec3;
+
+use super::{Parameter, Surface, add, wide};
 use crate::{
     domain::{
         detail::{Detail, Layer as DetailLayer, LayerSource},
         mesh::Mesh,
     },
-    oracle::field::Field,
+    oracle::{field::Field, parameter::CELL_SLACK},
 };
 
 /// Shortest blended normal that a direction is divided by: opposite normals would send it to infinity.
 const SHORTEST_NORMAL: f64 = 0.125;
+/// Shortest blended normal that still has a direction.
+const SHORTEST_UNIT: f64 = 1e-12;
 /// Square of the length below which a tangent has no direction beside the normal.
 const SHORTEST_TANGENT_SQUARE: f64 = 1e-8;
 
@@ -87,6 +91,32 @@ pub(super) fn texture_coordinates(mesh: &Mesh, details: &[Option<Arc<Detail>>]) 
     uv
 }
 
+/// A region that reaches less than [`CELL_SLACK`] into a texel's neighbour is bounded as if the texel went on there.
+/// Along either axis the two slopes differ by at most twice the map's range, at a place and at the corners it is
+/// compared with; directions are longer than 1 where normals differ.
+pub(super) fn slack(mesh: &Mesh, layers: &[Arc<Vec<Layer>>]) -> f64 {
+    let longest = mesh.triangles.iter().map(|t| longest_direction(mesh, t.av)).fold(1.0, f64::max);
+    let of_channel = |layer: &Layer, field: &Field, c: u32| {
+        let [low, high] = field.range(c);
+        8.0 * CELL_SLACK * layer.scale.abs() * (high - low)
+    };
+    let of_layer = |layer: &Layer| match layer.field() {
+        Some(field) => (0..field.channels()).map(|c| of_channel(layer, field, c)).sum::<f64>() * longest,
+        None => 0.0,
+    };
+    // On a seam, a side is pulled from its own displacement to what all agree on.
+    3.0 * layers.iter().map(|layers| layers.iter().map(of_layer).sum()).fold(0.0, f64::max)
+}
+
+/// Over a triangle with these corners.
+fn longest_direction(mesh: &Mesh, av: [u32; 3]) -> f64 {
+    let normals = av.map(|av| wide(mesh.av_normal[av as usize]));
+    let mean = normals.iter().sum::<DVec3>().normalize_or_zero();
+    let shortest = normals.iter().map(|n| mean.dot(*n)).fold(f64::INFINITY, f64::min);
+    let direction = |av: u32| wide(mesh.gv_direction[mesh.av_gv[av as usize] as usize]).length();
+    av.map(direction).into_iter().fold(0.0, f64::max) / shortest.max(SHORTEST_NORMAL)
+}
+
 impl Layer {
     fn new(layer: &DetailLayer) -> Self {
         let plain = [[1.0, 0.0]; 2];
@@ -103,6 +133,10 @@ impl Layer {
         };
         let (scale, midlevel) = (f64::from(layer.scale), f64::from(layer.midlevel));
         Self { source, scale, midlevel, rows: [row(0), row(1)] }
+    }
+
+    fn reads_normal(&self) -> bool {
+        matches!(self.source, Source::VectorTangent(_) | Source::Expression(_))
     }
 
     pub(super) fn field(&self) -> Option<&Field> {
@@ -126,7 +160,7 @@ fn with_texels(map: &Arc<crate::domain::detail::Map>, source: fn(Field) -> Sourc
 
 /// What layers read of the base.
 struct Frame<N> {
-    /// Unit.
+    /// Unit, if a layer reads it.
     normal: [N; 3],
     direction: [N; 3],
 }
@@ -139,17 +173,17 @@ impl Surface<'_> {
         if layers.is_empty() {
             return zero;
         }
-        let frame = self.frame(site);
+        let frame = self.frame(site, layers.iter().any(Layer::reads_normal));
         layers.iter().fold(zero, |sum, layer| add(sum, self.layer(layer, site, &frame)))
     }
 
-    fn frame<N: Parameter>(&self, site: &Site<'_, N>) -> Frame<N> {
+    fn frame<N: Parameter>(&self, site: &Site<'_, N>, reads_normal: bool) -> Frame<N> {
         let n = site.blend3(|av| self.mesh.av_normal[av]);
         let d = site.blend3(|av| self.mesh.gv_direction[self.mesh.av_gv[av] as usize]);
         let length = dot(n, n).sqrt();
-        let divisor = N::max(length, N::constant(SHORTEST_NORMAL));
-        let shortest = N::max(length, N::constant(1e-12));
-        Frame { normal: n.map(|x| x.div(shortest)), direction: d.map(|x| x.div(divisor)) }
+        let over = |least: f64| N::constant(1.0).div(N::max(length, N::constant(least)));
+        let normal = if reads_normal { times(n, over(SHORTEST_UNIT)) } else { n };
+        Frame { normal, direction: times(d, over(SHORTEST_NORMAL)) }
     }
 
     fn layer<N: Parameter>(&self, layer: &Layer, site: &Site<'_, N>, frame: &Frame<N>) -> [N; 3] {
