@@ -9,6 +9,7 @@
 //! | `dicing.rs`, `dicing/` | the surface as triangles with a certified residual |
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
+//! | `samples.rs` | the same at places spread evenly, with normals |
 //! | `measure.rs`, `cracks.rs` | everything that is told of two of them |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
 //! | `metrics.rs` | how far two images are apart |
@@ -36,6 +37,7 @@ pub mod metrics;
 pub mod parameter;
 pub mod predicates;
 pub mod ray;
+pub mod samples;
 pub mod sheet;
 pub mod surface;
 #[cfg(test)]

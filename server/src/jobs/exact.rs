@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
+use rayon::prelude::*;
 
 use super::{WorkContext, images, inputs::Inputs};
 use crate::{
@@ -29,7 +30,7 @@ const COARSE: f64 = 0.01;
 /// Nearer than this share of the diagonal a pixel stays as large: what the eye is inside of has no end.
 const NEAREST: f64 = 1e-3;
 /// Over all meshes.
-const MOST_TRIANGLES: usize = 3_000_000;
+const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
     let materials = images::materials(&mut inputs.scene)?;
@@ -141,23 +142,20 @@ fn oracle_mesh(scene: &Scene, mesh: usize, surface: &Surface<'_>, dicing: &Dicin
     let base = &scene.meshes[mesh].mesh;
     let colors = base.attribute("COLOR_0");
     let mut made = OracleMesh::default();
-    let (mut normals, mut uvs, mut rgba) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, corners) in dicing.triangles.iter().enumerate() {
-        let t = dicing.base[k] as usize;
-        if k == 0 || dicing.base[k - 1] != dicing.base[k] {
-            let material = base.primitives[base.triangles[t].primitive as usize].material;
-            made.material_of_triangles.push((k as u32, material.unwrap_or(scene.materials.len()) as u32));
-        }
-        for (corner, at) in corners.iter().zip(dicing.at[k]) {
-            made.positions.push(dicing.positions[*corner as usize]);
-            normals.push(surface.position_and_normal(t, at).1.as_vec3().to_array());
-            uvs.push(uv(base, &scene.materials, t, at));
-            rgba.extend(colors.map(|colors| color(base, colors, t, at)));
-        }
+    for (k, &t) in dicing.base.iter().enumerate() {
+        let material = base.primitives[base.triangles[t as usize].primitive as usize].material;
+        made.material_of_triangles.push((k as u32, material.unwrap_or(scene.materials.len()) as u32));
     }
     made.material_of_triangles.dedup_by_key(|(_, material)| *material);
+    let corner =
+        |i: usize| (dicing.triangles[i / 3][i % 3] as usize, dicing.base[i / 3] as usize, dicing.at[i / 3][i % 3]);
+    let corners = || (0..3 * dicing.triangles.len()).into_par_iter().map(corner);
+    let normal = |(_, t, at)| surface.position_and_normal(t, at).1.as_vec3().to_array();
+    made.positions = corners().map(|(vertex, ..)| dicing.positions[vertex]).collect();
+    made.normals = Arc::new(corners().map(normal).collect());
+    made.uvs = Arc::new(corners().map(|(_, t, at)| uv(base, &scene.materials, t, at)).collect());
+    made.colors = Arc::new(colors.map_or(Vec::new(), |c| corners().map(|(_, t, at)| color(base, c, t, at)).collect()));
     made.triangles = Arc::new((0..dicing.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
-    (made.normals, made.uvs, made.colors) = (Arc::new(normals), Arc::new(uvs), Arc::new(rgba));
     let enlarged = scene.instances.iter().filter(|i| i.mesh == mesh).map(|i| enlargement(&i.world_from_mesh));
     let residual = f64::from(dicing.residual.iter().copied().fold(0.0, f32::max));
     made.residual_world = residual * enlarged.fold(0.0, f64::max);

@@ -16,7 +16,8 @@ use crate::{
     },
     oracle::{
         dicing::{Dicing, Limits, dice},
-        measure::{Measured, colors, measure},
+        measure::{colors, measure},
+        samples::around_vertices,
         sheet::{Sheet, SheetBuilder, enlargement},
         surface::{SeamChoice, Surface},
     },
@@ -75,7 +76,11 @@ impl Work for MeasureWork {
         let measured = timed(context.progress, "measure", &mut passes, || {
             measure(&a, &b, precision, diagonal, context.cancel, context.progress)
         })?;
-        let outputs = if request.colors { vec![painted(&b, &measured)?] } else { Vec::new() };
+        let mut outputs = Vec::new();
+        if request.colors {
+            let paint = || painted(&b, &around_vertices(&b, &a, precision, context.cancel)?);
+            outputs.push(timed(context.progress, "paint", &mut passes, paint)?);
+        }
         let mut warnings = reference.scene.warnings.clone();
         warnings.extend(scene.warnings);
         warnings.extend(measured.warnings);
@@ -177,9 +182,9 @@ fn plain_sheet<'s>(scene: &Scene) -> Sheet<'s> {
     builder.build()
 }
 
-fn painted(sheet: &Sheet<'_>, measured: &Measured) -> Result<Output> {
+fn painted(sheet: &Sheet<'_>, distances: &[f64]) -> Result<Output> {
     let positions: Vec<[f32; 3]> = sheet.positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let (of_vertex, largest) = colors(&measured.of_vertex);
+    let (of_vertex, largest) = colors(distances);
     let steps: Vec<f64> = (0..SCALE_STEPS).map(|step| step as f64 / (SCALE_STEPS - 1) as f64).collect();
     let bytes = gltf::write_painted(&Painted {
         positions: &positions,

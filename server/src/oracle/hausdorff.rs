@@ -8,11 +8,14 @@
 //! * to a surface, the piece pairs with the surface's places between those nearest to its corners, or with those over
 //!   its feet on one triangle for the surface.
 
-use std::{cmp::Ordering, collections::BinaryHeap};
+mod piece;
+
+use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use self::piece::{Piece, covering_radius, farthest_from, leaves, longest};
 use super::sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle};
 use crate::domain::{
     Result,
@@ -36,8 +39,6 @@ pub struct Directed {
     pub hi: f64,
     /// A place of the first sheet that is at least `lo` away, and the place of the second nearest to it.
     pub at: [DVec3; 2],
-    /// Distance of each vertex of the first sheet.
-    pub of_vertex: Vec<f64>,
     /// Pieces that were cut.
     pub cuts: u64,
 }
@@ -48,10 +49,6 @@ const MOST_OPEN: usize = 3_000_000;
 const BATCH: usize = 8192;
 /// Rounding of one distance, as a share of the largest number in it.
 const ROUNDING: f64 = 1e-14;
-/// More than a few operations round off.
-const ROUNDED_UP: f64 = 1.0 + 1e-14;
-/// Cuts at the borders of nearest triangles come no nearer to an end than this.
-const MARGIN: f64 = 0.03;
 /// Pieces deeper than this are cut in halves, so that they shrink surely.
 const MOST_ALIGNED_CUTS: u16 = 12;
 
@@ -99,13 +96,7 @@ pub fn directed(
     let rounding = ROUNDING * a.magnitude().max(b.magnitude());
     let top = open.peek().map_or(0.0, |p| p.upper);
     let hi = best.lower.max(settled).max(top) + rounding;
-    Ok(Some(Directed {
-        lo: (best.lower - rounding - a.moved()).max(0.0),
-        hi,
-        at: best.at,
-        of_vertex: vertices.iter().map(|near| near.upper).collect(),
-        cuts,
-    }))
+    Ok(Some(Directed { lo: (best.lower - rounding - a.moved()).max(0.0), hi, at: best.at, cuts }))
 }
 
 /// The farthest place found.
@@ -121,18 +112,6 @@ impl Best {
             *self = Self { lower: near.lower, at: [place, near.place] };
         }
     }
-}
-
-/// A part of a triangle of A.
-struct Piece {
-    triangle: u32,
-    depth: u16,
-    /// Barycentrics of its corners, their exact places, and what of B is nearest to them.
-    corners: [DVec3; 3],
-    places: [DVec3; 3],
-    near: [Near; 3],
-    /// No place of the piece is farther from B.
-    upper: f64,
 }
 
 struct Search<'s> {
@@ -274,123 +253,4 @@ impl Search<'_> {
         let sides = [longest, (longest + 1) % 3, (longest + 2) % 3];
         sides.into_iter().filter(|&k| differs(k)).find_map(border).unwrap_or((longest, 0.5))
     }
-}
-
-impl Piece {
-    /// No corner is farther from B.
-    fn farthest(&self) -> f64 {
-        self.near.iter().map(|near| near.upper).fold(0.0, f64::max)
-    }
-}
-
-/// The distance to a point is convex too.
-fn farthest_from(target: DVec3, places: &[DVec3; 3]) -> f64 {
-    places.iter().map(|p| p.distance(target)).fold(0.0, f64::max)
-}
-
-/// How far along a segment its foot on a triangle's plane leaves the triangle.
-fn leaves(from: DVec3, to: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
-    let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    let mut first: Option<f64> = None;
-    for k in 0..3 {
-        let (p, q) = (triangle[k], triangle[(k + 1) % 3]);
-        let inward = normal.cross(q - p);
-        let (d, e) = (inward.dot(from - p), inward.dot(to - p));
-        let share = d / (d - e);
-        if d > 0.0 && e < 0.0 && (MARGIN..=1.0 - MARGIN).contains(&share) && first.is_none_or(|s| share < s) {
-            first = Some(share);
-        }
-    }
-    first
-}
-
-fn longest(places: &[DVec3; 3]) -> usize {
-    let length = |k: usize| places[k].distance_squared(places[(k + 1) % 3]);
-    (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0)
-}
-
-/// No point of a triangle is farther from its nearest corner: the circumradius, or half the longest side of an
-/// obtuse one, whose circumcentre lies outside.
-fn covering_radius(places: &[DVec3; 3]) -> f64 {
-    let k = longest(places);
-    let (a, b, c) = (places[k], places[(k + 1) % 3], places[(k + 2) % 3]);
-    let (side, p, q) = (b - a, a - c, b - c);
-    let half = 0.5 * side.length();
-    if p.dot(q) <= 0.0 {
-        return half * ROUNDED_UP;
-    }
-    // At most 1/√3 of the longest side, whatever rounding makes of the area.
-    let circumradius = half * (p.length() * q.length() / p.cross(q).length());
-    circumradius.min(2.0 * half / 3f64.sqrt()) * ROUNDED_UP
-}
-
-impl PartialEq for Piece {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Piece {}
-
-impl PartialOrd for Piece {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-/// Largest bound first; then by place, so that equal bounds are taken in one order.
-impl Ord for Piece {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let corner = |p: &Self| p.corners[0].to_array().map(f64::to_bits);
-        let upper = self.upper.total_cmp(&other.upper);
-        upper.then(other.triangle.cmp(&self.triangle)).then_with(|| corner(self).cmp(&corner(other)))
-    }
-}
-
-/// The distance from A to B over places spread evenly over A, and how its normals differ there.
-pub fn sampled(a: &Sheet<'_>, b: &Sheet<'_>, count: usize, width: f64, cancel: &Cancel) -> Result<Vec<Sampled>> {
-    let area = |t: u32| {
-        let [p, q, r] = a.corners(t);
-        (q - p).cross(r - p).length()
-    };
-    let mut total = 0.0;
-    let areas: Vec<f64> = (0..a.triangles.len() as u32)
-        .map(|t| {
-            total += area(t);
-            total
-        })
-        .collect();
-    let one = |k: usize| -> Result<Option<Sampled>> {
-        if k.is_multiple_of(1024) {
-            cancel.check()?;
-        }
-        let triangle = areas.partition_point(|&sum| sum <= total * (k as f64 + 0.5) / count as f64) as u32;
-        if triangle as usize >= a.triangles.len() {
-            return Ok(None);
-        }
-        let at = spread(k);
-        let near = b.near_enough(a.point(triangle, at), None, width);
-        Ok(near.map(|near| {
-            let (own, other) = (a.normal(triangle, at), b.normal(near.triangle, near.at));
-            Sampled { distance: near.upper, normal_deg: own.angle_between(other).to_degrees() }
-        }))
-    };
-    let samples: Vec<Option<Sampled>> = (0..count).into_par_iter().map(one).collect::<Result<_>>()?;
-    Ok(samples.into_iter().flatten().collect())
-}
-
-/// One of the places.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampled {
-    /// World units.
-    pub distance: f64,
-    /// Between shading normals; not a number where either has none.
-    pub normal_deg: f64,
-}
-
-/// Barycentrics spread evenly (R2, Roberts 2018), folded into the triangle.
-fn spread(k: usize) -> DVec3 {
-    let (u, v) = ((k as f64 * 0.754_877_666_246_693).fract(), (k as f64 * 0.569_840_290_998_053).fract());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    DVec3::new(1.0 - u - v, u, v)
 }

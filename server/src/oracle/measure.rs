@@ -2,8 +2,9 @@
 
 use super::{
     cracks, facts,
-    hausdorff::{Directed, Sampled, Settings, directed, sampled},
+    hausdorff::{Directed, Settings, directed},
     metrics::flip::magma,
+    samples::{Sampled, sampled},
     sheet::Sheet,
 };
 use crate::domain::{
@@ -20,11 +21,10 @@ const MOST_SEARCHED: usize = 4_000_000;
 /// Pieces cut each way before the distance is told as far as it is known.
 const MOST_CUTS: u64 = 20_000_000;
 
-/// A measurement, what is to be warned of, and the distance of each vertex of `b`.
+/// A measurement, and what is to be warned of.
 pub struct Measured {
     pub measurement: Measurement,
     pub warnings: Vec<Warning>,
-    pub of_vertex: Vec<f64>,
 }
 
 /// Measures `b` against `a`, the reference. `precision_world` is above 0.
@@ -69,7 +69,7 @@ pub fn measure(
         a: facts_a,
         b: facts_b,
     };
-    Ok(Measured { measurement, warnings, of_vertex: back.of_vertex })
+    Ok(Measured { measurement, warnings })
 }
 
 fn distance(found: &Directed, samples: &[Sampled]) -> Distance {

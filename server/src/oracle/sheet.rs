@@ -1,6 +1,7 @@
 //! Triangles in world space that can tell how near they are: plain meshes, and displaced surfaces with what
 //! they may deviate from their triangles.
 
+mod closest;
 mod nearest;
 mod stretch;
 
@@ -13,8 +14,8 @@ use super::{
     surface::Surface,
 };
 use crate::domain::mesh::Mesh;
+pub(crate) use closest::{closest_on_triangle, distance_to_triangle};
 pub use nearest::Near;
-pub(crate) use nearest::{closest_on_triangle, distance_to_triangle};
 
 /// A mesh or a displaced surface, all instances together, world units.
 pub struct Sheet<'s> {
