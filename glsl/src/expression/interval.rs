@@ -16,6 +16,9 @@ const TWO_UNITS: f64 = 2.0 * f64::EPSILON;
 /// More than two units of the smallest numbers, and far from them: they are slow to calculate with.
 const TINY: f64 = 1e-290;
 
+/// Cells of value noise each way from 0.
+const NOISE_LATTICE: f64 = 2_147_483_000.0;
+
 impl Interval {
     pub const WHOLE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
@@ -40,6 +43,17 @@ impl Interval {
         let up = hi + (hi.abs() * TWO_UNITS + TINY).min(f64::MAX);
         // What cannot be below 0 stays so, for the root of a sum of squares.
         Self { lo: if lo >= 0.0 { down.max(0.0) } else { down }, hi: up }
+    }
+
+    /// By what two roundings may have taken away.
+    #[inline]
+    #[must_use]
+    pub fn widened(self) -> Self {
+        Self::outward(self.lo, self.hi)
+    }
+
+    fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
     }
 
     #[inline]
@@ -101,13 +115,18 @@ impl Number for Interval {
         if n < 0 {
             return Self::constant(1.0).div(self.powi(-n));
         }
-        let ends = Self::hull([self.lo.powi(n), self.hi.powi(n), self.lo.powi(n), self.hi.powi(n)]);
+        let mut ends = Self::hull([self.lo.powi(n), self.hi.powi(n), self.lo.powi(n), self.hi.powi(n)]);
+        // Every multiplication rounds.
+        (0..n / 2).for_each(|_| ends = ends.widened());
         if n % 2 == 0 && self.contains(0.0) { Self { lo: if n == 0 { 1.0 } else { 0.0 }, ..ends } } else { ends }
     }
     fn sin(self) -> Self {
         self.sub(Self::constant(FRAC_PI_2)).cos()
     }
     fn cos(self) -> Self {
+        if !self.is_finite() {
+            return Self::WHOLE;
+        }
         if self.is_at_least(TAU) {
             return Self { lo: -1.0, hi: 1.0 };
         }
@@ -162,8 +181,10 @@ impl Number for Interval {
         let corners = [(self.lo, x.lo), (self.lo, x.hi), (self.hi, x.lo), (self.hi, x.hi)];
         Self::hull(corners.map(|(y, x)| y.atan2(x)))
     }
-    fn noise(_: Self, _: Self, _: Self) -> Self {
-        Self { lo: -1.0, hi: 1.0 }
+    fn noise(x: Self, y: Self, z: Self) -> Self {
+        // Beyond its lattice it grows without bound.
+        let is_inside = |n: Self| n.lo > -NOISE_LATTICE && n.hi < NOISE_LATTICE;
+        if [x, y, z].into_iter().all(is_inside) { Self { lo: -1.0, hi: 1.0 } } else { Self::WHOLE }
     }
     fn smooth(self) -> Self {
         // Rising on [0, 1], where smoothstep uses it.
@@ -174,7 +195,7 @@ impl Number for Interval {
         let plain = self.sub(y.mul(self.div(y).floor()));
         let period = Self { lo: y.lo.min(0.0), hi: y.hi.max(0.0) };
         let within = Self { lo: plain.lo.max(period.lo), hi: plain.hi.min(period.hi) };
-        if y.contains(0.0) { Self::WHOLE } else { within }
+        if y.contains(0.0) || !self.is_finite() || !y.is_finite() { Self::WHOLE } else { within }
     }
 }
 
@@ -209,6 +230,17 @@ mod tests {
                 holds(|x| Interval::constant(0.3).atan2(x), |x| 0.3f64.atan2(x), lo, hi);
             }
         }
+    }
+
+    #[test]
+    fn what_may_be_no_number_has_no_bound() {
+        let whole = Interval::WHOLE;
+        let pole = Interval::constant(1.0).div(Interval::new(-1.0, 1.0));
+        let one = Interval::constant(1.0);
+        for bound in [pole.sin(), pole.cos(), pole.modulo(one), Interval::noise(pole, one, one), pole.sqrt()] {
+            assert_eq!(bound, whole);
+        }
+        assert_eq!(Interval::noise(Interval::new(0.0, 3e9), one, one), whole);
     }
 
     #[test]

@@ -133,7 +133,7 @@ impl Lens {
         }
         let distance = |p: &DVec3| p.distance(self.eye);
         let extent = places.iter().map(|p| p.distance(places[0])).fold(0.0, f64::max);
-        let nearest = places.iter().map(distance).fold(f64::INFINITY, f64::min) - world - 0.5 * extent;
+        let nearest = places.iter().map(distance).fold(f64::INFINITY, f64::min) - world - extent;
         world * self.pixels / nearest.max(self.nearest)
     }
 }

@@ -66,12 +66,13 @@ impl Work for MeasureWork {
         if precision.is_nan() || precision <= 0.0 {
             return Err(Error::invalid("mesh", "has no extent: a precision relative to its diagonal says nothing"));
         }
-        check_size("mesh", &reference.scene)?;
-        check_size("result", &scene)?;
         let surfaces = self.surfaces(&reference);
+        check_size("mesh", &reference.scene, if surfaces.is_empty() { MOST_MEASURED } else { MOST_TRIANGLES })?;
+        check_size("result", &scene, MOST_MEASURED)?;
         let dicings =
             timed(context.progress, "dice", &mut passes, || diced(context, &reference, &surfaces, precision))?;
-        let (a, b) = (reference_sheet(&reference.scene, &surfaces, &dicings), plain_sheet(&scene));
+        let a = reference_sheet(&reference.scene, &surfaces, &dicings)?;
+        let b = plain_sheet("result", &scene)?;
         let diagonal = reference.scene.diagonal;
         let measured = timed(context.progress, "measure", &mut passes, || {
             measure(&a, &b, precision, diagonal, context.cancel, context.progress)
@@ -110,13 +111,13 @@ impl MeasureWork {
 }
 
 /// Triangles of all instances.
-fn check_size(field: &str, scene: &Scene) -> Result<()> {
+fn check_size(field: &str, scene: &Scene, most: usize) -> Result<()> {
     let triangles = |instance: &crate::domain::scene::Instance| scene.meshes[instance.mesh].mesh.triangles.len();
     let total: usize = scene.instances.iter().map(triangles).sum();
-    if total <= MOST_MEASURED {
+    if total <= most {
         return Ok(());
     }
-    let message = format!("its instances have {total} triangles; at most {MOST_MEASURED} are measured: measure parts");
+    let message = format!("its instances have {total} triangles; at most {most} are measured here: measure parts");
     Err(Error::too_large(field, message))
 }
 
@@ -163,23 +164,30 @@ fn diced_to(
     Ok(all)
 }
 
-fn reference_sheet<'s>(scene: &Scene, surfaces: &'s [Surface<'s>], dicings: &'s [Dicing]) -> Sheet<'s> {
+fn reference_sheet<'s>(scene: &Scene, surfaces: &'s [Surface<'s>], dicings: &'s [Dicing]) -> Result<Sheet<'s>> {
     if surfaces.is_empty() {
-        return plain_sheet(scene);
+        return plain_sheet("mesh", scene);
     }
     let mut builder = SheetBuilder::default();
     for instance in &scene.instances {
         builder.surface(&surfaces[instance.mesh], &dicings[instance.mesh], &instance.world_from_mesh);
     }
-    builder.build()
+    built("mesh", builder)
 }
 
-fn plain_sheet<'s>(scene: &Scene) -> Sheet<'s> {
+fn plain_sheet<'s>(field: &str, scene: &Scene) -> Result<Sheet<'s>> {
     let mut builder = SheetBuilder::default();
     for instance in &scene.instances {
         builder.mesh(&scene.meshes[instance.mesh].mesh, &instance.world_from_mesh);
     }
-    builder.build()
+    built(field, builder)
+}
+
+fn built<'s>(field: &str, builder: SheetBuilder<'s>) -> Result<Sheet<'s>> {
+    if builder.is_finite() {
+        return Ok(builder.build());
+    }
+    Err(Error::invalid(field, "reaches beyond what f32 holds: look at the scales and translations of its nodes"))
 }
 
 fn painted(sheet: &Sheet<'_>, distances: &[f64]) -> Result<Output> {

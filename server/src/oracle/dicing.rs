@@ -3,6 +3,7 @@
 //!
 //! The triangles meet without cracks: what is cut on a base edge from one side is cut from all.
 
+mod ears;
 mod kinks;
 mod patch;
 
@@ -98,9 +99,11 @@ type SharedEdges = Vec<BTreeMap<u64, DVec3>>;
 /// Points nearer to each other along an edge are one.
 const SAME_POINT: f64 = 1e-9;
 
-/// The point known near `t`, if any.
+/// The point known nearest to `t`, if any is near.
 fn near(points: &BTreeMap<u64, DVec3>, t: f64) -> Option<u64> {
-    points.range((t - SAME_POINT).max(0.0).to_bits()..=(t + SAME_POINT).to_bits()).next().map(|(bits, _)| *bits)
+    let known = points.range((t - SAME_POINT).max(0.0).to_bits()..=(t + SAME_POINT).to_bits());
+    let apart = |bits: &u64| (f64::from_bits(*bits) - t).abs();
+    known.map(|(bits, _)| *bits).min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 fn shared_edges(surface: &Surface<'_>, patches: &[Patch]) -> SharedEdges {

@@ -71,7 +71,7 @@ impl Field {
     #[inline]
     #[must_use]
     pub fn cell(&self, channel: u32, x: i64, y: i64) -> [f64; 4] {
-        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(channel, x + i, y + j))
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(channel, x.saturating_add(i), y.saturating_add(j)))
     }
 
     /// Lowest and highest texel of one channel.

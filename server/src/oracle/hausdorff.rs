@@ -8,17 +8,19 @@
 //! * to a surface, the piece pairs with the surface's places between those nearest to its corners, or with those over
 //!   its feet on one triangle for the surface.
 
+mod open;
 mod piece;
-
-use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::piece::{Piece, covering_radius, farthest_from, leaves, longest};
+use self::{
+    open::Open,
+    piece::{Piece, covering_radius, farthest_from, leaves, longest},
+};
 use super::sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle};
 use crate::domain::{
-    Result,
+    Error, Result,
     cancel::{Cancel, Progress},
 };
 
@@ -43,8 +45,6 @@ pub struct Directed {
     pub cuts: u64,
 }
 
-/// Pieces that wait to be cut before the interval is returned as it stands: about a gigabyte.
-const MOST_OPEN: usize = 3_000_000;
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
 /// Rounding of one distance, as a share of the largest number in it.
@@ -63,40 +63,42 @@ pub fn directed(
     if a.triangles.is_empty() || b.triangles.is_empty() {
         return Ok(None);
     }
-    let search = Search { a, b, width: settings.precision / 8.0 };
-    let vertices = search.vertices(cancel)?;
-    let mut best = search.farthest_vertex(&vertices);
+    let search = Search { a, b, width: settings.precision / 8.0, cancel };
+    let vertices = search.vertices()?;
+    let mut best = search.farthest_vertex(&vertices)?;
     let wanted = settings.precision * 0.875;
-    let mut open = BinaryHeap::new();
-    let mut settled = 0f64;
+    let mut open = Open::default();
     for chunk in (0..a.triangles.len() as u32).collect::<Vec<_>>().chunks(1 << 18) {
-        cancel.check()?;
-        let pieces: Vec<Piece> = chunk.par_iter().map(|&t| search.whole(t, &vertices, best.lower + wanted)).collect();
-        settled = pieces.iter().filter(|p| p.upper <= best.lower + wanted).map(|p| p.upper).fold(settled, f64::max);
-        open.extend(pieces.into_iter().filter(|p| p.upper > best.lower + wanted));
+        let whole = |&t: &u32| search.whole(t, &vertices, best.lower + wanted);
+        let pieces: Vec<Piece> = chunk.par_iter().map(whole).collect::<Result<_>>()?;
+        pieces.into_iter().for_each(|piece| open.add(piece, best.lower + wanted));
     }
     let mut cuts = 0;
-    while cuts < settings.max_cuts
-        && open.len() < MOST_OPEN
-        && open.peek().is_some_and(|p| p.upper > best.lower + wanted)
-    {
-        cancel.check()?;
-        let batch: Vec<Piece> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
+    while cuts < settings.max_cuts {
+        let (lower, enough) = (best.lower, best.lower + wanted);
+        let batch = open.take(BATCH, enough);
+        if batch.is_empty() {
+            break;
+        }
         cuts += batch.len() as u64;
-        let lower = best.lower;
-        let parts: Vec<[Piece; 2]> = batch.par_iter().map(|piece| search.cut(piece, lower, wanted)).collect();
+        let cut = |piece: &Piece| search.cut(piece, lower, wanted);
+        let parts: Vec<[Piece; 2]> = batch.par_iter().map(cut).collect::<Result<_>>()?;
         for part in parts.iter().flatten() {
             part.near.iter().zip(&part.places).for_each(|(near, place)| best.offer(*place, near));
         }
-        for part in parts.into_iter().flatten() {
-            if part.upper > best.lower + wanted { open.push(part) } else { settled = settled.max(part.upper) }
-        }
+        parts.into_iter().flatten().for_each(|part| open.add(part, best.lower + wanted));
         progress.pass("measure", cuts, 0);
     }
     let rounding = ROUNDING * a.magnitude().max(b.magnitude());
-    let top = open.peek().map_or(0.0, |p| p.upper);
-    let hi = best.lower.max(settled).max(top) + rounding;
-    Ok(Some(Directed { lo: (best.lower - rounding - a.moved()).max(0.0), hi, at: best.at, cuts }))
+    let hi = best.lower.max(open.most()) + rounding;
+    let lo = (best.lower - rounding - a.moved() - b.sliver_rounding()).max(0.0);
+    Ok(Some(Directed { lo, hi, at: best.at, cuts }))
+}
+
+fn not_finite() -> Error {
+    let message =
+        "the surface is not finite everywhere: lower the scale, or keep the expression away from division by 0";
+    Error::invalid("details", message)
 }
 
 /// The farthest place found.
@@ -119,57 +121,66 @@ struct Search<'s> {
     b: &'s Sheet<'s>,
     /// Of the bounds of one distance.
     width: f64,
+    cancel: &'s Cancel,
 }
 
 impl Search<'_> {
-    fn vertices(&self, cancel: &Cancel) -> Result<Vec<Near>> {
-        let chunk = 1 << 14;
+    fn vertices(&self) -> Result<Vec<Near>> {
         let of_chunk = |places: &[DVec3]| -> Result<Vec<Near>> {
-            cancel.check()?;
             let mut hint = None;
-            Ok(places
-                .iter()
-                .map(|&place| {
-                    let near = self.near(place, hint, f64::INFINITY);
-                    hint = Some(near.triangle);
-                    near
-                })
-                .collect())
+            let near = |&place: &DVec3| {
+                self.cancel.check()?;
+                let near = self.near(place, hint, f64::INFINITY)?;
+                hint = Some(near.triangle);
+                Ok(near)
+            };
+            places.iter().map(near).collect()
         };
-        let chunks: Vec<Vec<Near>> = self.a.positions.par_chunks(chunk).map(of_chunk).collect::<Result<_>>()?;
+        let chunks: Vec<Vec<Near>> = self.a.positions.par_chunks(1 << 14).map(of_chunk).collect::<Result<_>>()?;
         Ok(chunks.into_iter().flatten().collect())
     }
 
     /// A place that B is near to needs no sharp bounds: only the farthest one decides.
-    fn near(&self, place: DVec3, hint: Option<u32>, lower: f64) -> Near {
+    fn near(&self, place: DVec3, hint: Option<u32>, lower: f64) -> Result<Near> {
         let near = self.b.near_enough(place, hint, 0.5 * self.width).expect("B has triangles");
-        if near.upper <= lower + self.width || near.upper - near.lower <= self.width {
-            return near;
+        if !(near.upper.is_finite() && near.place.is_finite()) {
+            return Err(not_finite());
         }
-        self.b.nearest(place, Some(near.triangle), self.width).expect("B has triangles")
+        if near.upper <= lower + self.width || near.upper - near.lower <= self.width {
+            return Ok(near);
+        }
+        Ok(self.b.nearest(place, Some(near.triangle), self.width).expect("B has triangles"))
     }
 
     /// The vertex with the largest lower bound, once no other can have a much larger one.
-    fn farthest_vertex(&self, vertices: &[Near]) -> Best {
+    fn farthest_vertex(&self, vertices: &[Near]) -> Result<Best> {
         let mut best = Best::default();
         vertices.iter().zip(&self.a.positions).for_each(|(near, place)| best.offer(*place, near));
         let mut by_upper: Vec<usize> = (0..vertices.len()).collect();
         by_upper.sort_unstable_by(|&i, &j| vertices[j].upper.total_cmp(&vertices[i].upper).then(i.cmp(&j)));
-        for v in by_upper {
-            if vertices[v].upper <= best.lower + self.width {
+        for chunk in by_upper.chunks(256) {
+            let lower = best.lower;
+            let may_be_farther = |&&v: &&usize| vertices[v].upper > lower + self.width;
+            let narrowed = |&v: &usize| -> Result<(DVec3, Near)> {
+                self.cancel.check()?;
+                let place = self.a.positions[v];
+                Ok((place, self.near(place, Some(vertices[v].triangle), lower)?))
+            };
+            let found: Vec<_> = chunk.par_iter().filter(may_be_farther).map(narrowed).collect::<Result<_>>()?;
+            if found.is_empty() {
                 break;
             }
-            let place = self.a.positions[v];
-            best.offer(place, &self.near(place, Some(vertices[v].triangle), best.lower));
+            found.iter().for_each(|(place, near)| best.offer(*place, near));
         }
-        best
+        Ok(best)
     }
 
-    fn whole(&self, triangle: u32, vertices: &[Near], enough: f64) -> Piece {
+    fn whole(&self, triangle: u32, vertices: &[Near], enough: f64) -> Result<Piece> {
+        self.cancel.check()?;
         let near = self.a.triangles[triangle as usize].map(|v| vertices[v as usize]);
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
         let places = self.a.corners(triangle);
-        self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough)
+        Ok(self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough))
     }
 
     /// The cheap bounds first; what they show to be near enough needs no better one.
@@ -221,19 +232,23 @@ impl Search<'_> {
         Some(farthest + self.b.deviation_between(&piece.near, enough - farthest)?)
     }
 
-    fn cut(&self, piece: &Piece, lower: f64, wanted: f64) -> [Piece; 2] {
+    fn cut(&self, piece: &Piece, lower: f64, wanted: f64) -> Result<[Piece; 2]> {
+        self.cancel.check()?;
         let (side, share) = self.where_to_cut(piece);
         let next = (side + 1) % 3;
         let middle = piece.corners[side].lerp(piece.corners[next], share);
         let place = self.a.point(piece.triangle, middle);
-        let near = self.near(place, Some(piece.near[side].triangle), lower);
-        [side, next].map(|replaced| {
+        if !place.is_finite() {
+            return Err(not_finite());
+        }
+        let near = self.near(place, Some(piece.near[side].triangle), lower)?;
+        Ok([side, next].map(|replaced| {
             let mut part = Piece { depth: piece.depth + 1, upper: 0.0, ..*piece };
             part.corners[replaced] = middle;
             part.places[replaced] = place;
             part.near[replaced] = near;
             self.bounded(part, lower + wanted)
-        })
+        }))
     }
 
     /// The side to cut and where along it: at the border of the triangle of B nearest to its start, where

@@ -44,6 +44,13 @@ impl IntervalJet {
     }
 }
 
+/// 0 times what is finite is 0, and not only near it.
+#[inline]
+fn value_product(a: Interval, b: Interval) -> Interval {
+    let is_finite = |i: Interval| i.lo.is_finite() && i.hi.is_finite();
+    if a == ZERO && is_finite(b) || b == ZERO && is_finite(a) { ZERO } else { a.mul(b) }
+}
+
 /// What is flat stays flat, even beside an infinite slope: 0 · ∞ is 0 here.
 #[inline]
 fn product(a: Interval, b: Interval) -> Interval {
@@ -83,7 +90,7 @@ impl Number for IntervalJet {
     }
     #[inline]
     fn mul(self, o: Self) -> Self {
-        self.chain2(o, product(self.value, o.value), o.value, self.value)
+        self.chain2(o, value_product(self.value, o.value), o.value, self.value)
     }
     #[inline]
     fn div(self, o: Self) -> Self {
@@ -153,11 +160,13 @@ impl Number for IntervalJet {
         self.chain2(x, value, by(x.value), by(self.value.neg()))
     }
     fn noise(x: Self, y: Self, z: Self) -> Self {
+        let value = Interval::noise(x.value, y.value, z.value);
+        let steepest = if value == Interval::WHOLE { value } else { NOISE_SLOPE };
         let slope = |k: usize| {
-            let one = |n: Self| product(n.slope[k], NOISE_SLOPE);
-            one(x).add(one(y)).add(one(z))
+            let one = |n: Self| product(n.slope[k], steepest);
+            sum(one(x), sum(one(y), one(z)))
         };
-        Self { value: Interval::noise(x.value, y.value, z.value), slope: std::array::from_fn(slope) }
+        Self { value, slope: std::array::from_fn(slope) }
     }
     fn smooth(self) -> Self {
         let one = Interval::constant(1.0);

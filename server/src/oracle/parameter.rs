@@ -34,7 +34,9 @@ impl Parameter for f64 {
 
     #[inline]
     fn affine(b: &DVec3, [v0, v1, v2]: [f64; 3]) -> Self {
-        v0 + b.y * (v1 - v0) + b.z * (v2 - v0)
+        // Rounding must not carry it beyond its ends, where a step may wait.
+        let (low, high) = (v0.min(v1).min(v2), v0.max(v1).max(v2));
+        (v0 + b.y * (v1 - v0) + b.z * (v2 - v0)).max(low).min(high)
     }
     fn along(b: &DVec3, to: usize, from: usize) -> Self {
         let both = b[to] + b[from];
@@ -89,7 +91,10 @@ impl Parameter for IntervalJet {
     #[inline]
     fn affine(corners: &[DVec3], values: [f64; 3]) -> Self {
         let slope = [values[1] - values[0], values[2] - values[0]].map(Interval::constant);
-        Self::new(range(corners.iter().map(|b| f64::affine(b, values))), slope)
+        let ends = range(values.into_iter());
+        let value = range(corners.iter().map(|b| f64::affine(b, values))).widened();
+        // What never changes is known exactly.
+        Self::new(Interval::new(value.lo.max(ends.lo), value.hi.min(ends.hi)), slope)
     }
     fn along(corners: &[DVec3], to: usize, from: usize) -> Self {
         // Constant on lines through the opposite corner, so its extremes lie at corners of the region.

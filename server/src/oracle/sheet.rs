@@ -82,6 +82,7 @@ impl<'s> SheetBuilder<'s> {
             at: &dicing.at,
         };
         self.moved = self.moved.max(dicing.moved * part.enlargement);
+        surface.mesh().gv_position.iter().for_each(|p| self.note(DVec3::from_array(p.map(f64::from)), &world));
         let first = self.add_positions(dicing.positions.iter().copied(), &world);
         self.triangles.extend(dicing.triangles.iter().map(|t| t.map(|v| first + v)));
         self.residual.extend(dicing.residual.iter().map(|r| ((f64::from(*r) * part.enlargement) as f32).next_up()));
@@ -90,12 +91,22 @@ impl<'s> SheetBuilder<'s> {
 
     fn add_positions(&mut self, positions: impl Iterator<Item = DVec3>, world: &DAffine3) -> u32 {
         let first = self.positions.len() as u32;
-        let absolute = DAffine3 { matrix3: world.matrix3.abs(), translation: world.translation.abs() };
-        let positions = positions.inspect(|p| {
-            self.magnitude = self.magnitude.max(absolute.transform_point3(p.abs()).max_element());
-        });
-        self.positions.extend(positions.map(|p| world.transform_point3(p)));
+        for p in positions {
+            self.note(p, world);
+            self.positions.push(world.transform_point3(p));
+        }
         first
+    }
+
+    fn note(&mut self, place: DVec3, world: &DAffine3) {
+        let sum = world.matrix3.abs() * place.abs() + world.translation.abs();
+        self.magnitude = self.magnitude.max(sum.max_element());
+    }
+
+    /// Whether every place is a number that f32 holds too.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.positions.par_iter().all(|p| p.as_vec3().is_finite())
     }
 
     /// All instances are of meshes, or all of surfaces.
@@ -130,10 +141,23 @@ impl Sheet<'_> {
         self.moved
     }
 
-    /// The largest number that a coordinate was added up from: what rounding goes by.
+    /// The largest of what coordinates were added up from, bases and translations: what rounding goes by.
     #[must_use]
     pub fn magnitude(&self) -> f64 {
         self.magnitude
+    }
+
+    /// By how much distances to its thinnest triangles may be found too large. Within a triangle of height h on a
+    /// longest side l, the foot of a point is known to l² ε / h along h, and to h.
+    #[must_use]
+    pub fn sliver_rounding(&self) -> f64 {
+        let of = |t: u32| {
+            let [a, b, c] = self.corners(t);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            let height = (b - a).cross(c - a).length() / longest;
+            if longest > 0.0 { 4.0 * height.min(longest * longest * f64::EPSILON / height) } else { 0.0 }
+        };
+        (0..self.triangles.len() as u32).into_par_iter().map(of).reduce(|| 0.0, f64::max)
     }
 
     #[must_use]

@@ -120,6 +120,13 @@ fn a_sine_sheet_is_as_far_from_its_plane_as_it_is_high() {
 }
 
 #[test]
+fn rounding_carries_no_place_over_a_step_at_the_border() {
+    // 0.9 u stays in [0, 0.9]: below 0, or at 1, the step would be 1 high.
+    let found = surface_to_mesh(&meshes::plane(3), "floor(0.9*u)", &meshes::plane(7), [0.0; 3], 1e-4);
+    found.iter().for_each(|found| holds("a step beyond the border", found, 0.0, 1e-4));
+}
+
+#[test]
 fn spheres_raised_by_a_constant_are_apart_by_it() {
     // Directions are radial, so the raised surface is R + h along them: facets bend with the normals.
     let sphere = meshes::icosphere(3);

@@ -52,7 +52,12 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
             },
         };
         for world in instanced(source, at, world, limits.instances - graph.uses.len().min(limits.instances))? {
-            graph.uses.push(Use { gltf_mesh, world_from_mesh: world.as_mat4().to_cols_array() });
+            let world_from_mesh = world.as_mat4().to_cols_array();
+            if !world_from_mesh.iter().all(|x| x.is_finite()) {
+                let message = "puts its mesh beyond what f32 holds, or has an instance that is not a number: mend translations and scales from the root to here";
+                return Err(at.error(message));
+            }
+            graph.uses.push(Use { gltf_mesh, world_from_mesh });
         }
         if graph.uses.len() > limits.instances {
             return Err(too_many(at, limits.instances));

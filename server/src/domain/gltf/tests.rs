@@ -130,6 +130,15 @@ fn an_index_out_of_range_and_a_coordinate_that_is_not_finite_are_refused() {
 }
 
 #[test]
+fn a_mesh_placed_beyond_f32_is_refused_with_its_node() {
+    let far = refusal(|d| {
+        d["nodes"] = json!([{ "children": [1], "scale": [1e30, 1, 1] }, { "mesh": 0, "scale": [1e30, 1, 1] }]);
+        d["scenes"] = json!([{ "nodes": [0] }]);
+    });
+    assert!(far.starts_with("nodes[1]: puts its mesh beyond what f32 holds"), "{far}");
+}
+
+#[test]
 fn required_extensions_are_refused_by_name_and_optional_ones_kept() {
     let require = |name: &'static str| load_quad(|d| d["extensionsRequired"] = json!([name]));
     for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "FAKE_unknown"] {

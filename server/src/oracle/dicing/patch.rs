@@ -9,7 +9,7 @@ use std::{
 use glam::DVec3;
 
 use super::{
-    Dicing, Limits, Region, SharedEdges,
+    Dicing, Limits, Region, SharedEdges, ears,
     kinks::{Cut, GRID_SLACK, Kinks, MOST_FAN_LINES, halving},
 };
 use crate::{
@@ -240,6 +240,11 @@ impl Patch {
                 }
             };
             self.move_to(last as usize, place);
+            // What lies too near to be another point becomes the same.
+            while let Some(same) = own.next_if(|&v| past(self, v).abs() <= super::SAME_POINT) {
+                self.move_to(same as usize, place);
+                last = same;
+            }
         }
     }
 
@@ -274,9 +279,14 @@ impl Patch {
         for polygon in &self.polygons {
             let outline = self.expanded(&polygon.corners);
             let moved = outline.iter().map(|&v| self.vertices[v as usize].moved).fold(0.0, f64::max);
-            for corners in fans(&outline, &self.vertices) {
-                dicing.triangles.push(corners.map(|v| numbers[v as usize]));
-                dicing.at.push(corners.map(|v| self.vertices[v as usize].b));
+            let places: Vec<DVec3> = outline.iter().map(|&v| self.vertices[v as usize].b).collect();
+            for corners in ears::triangles(&places) {
+                let triangle = corners.map(|k| numbers[outline[k] as usize]);
+                if has_one_point_twice(triangle) {
+                    continue;
+                }
+                dicing.triangles.push(triangle);
+                dicing.at.push(corners.map(|k| places[k]));
                 dicing.base.push(t as u32);
                 dicing.residual.push(((polygon.deviation + moved) as f32).next_up());
             }
@@ -284,31 +294,9 @@ impl Patch {
     }
 }
 
-/// Triangles of a convex polygon, some of whose corners may lie on a straight side.
-fn fans(corners: &[u32], vertices: &[Vertex]) -> Vec<[u32; 3]> {
-    let area = |[i, j, k]: [u32; 3]| {
-        let [a, b, c] = [i, j, k].map(|v| vertices[v as usize].b);
-        (b - a).cross(c - a).length()
-    };
-    let mut left = corners.to_vec();
-    let mut triangles = Vec::with_capacity(corners.len() - 2);
-    // Cutting off the ear with the most area for its place never leaves three corners in a row for last.
-    while left.len() > 3 {
-        let n = left.len();
-        let ear = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
-        let best =
-            (0..n).max_by(|&a, &b| quality(ear(a), &area, vertices).total_cmp(&quality(ear(b), &area, vertices)));
-        let best = best.unwrap_or(0);
-        triangles.push(ear(best));
-        left.remove(best);
-    }
-    triangles.push([left[0], left[1], left[2]]);
-    triangles
-}
-
-fn quality(ear: [u32; 3], area: &impl Fn([u32; 3]) -> f64, vertices: &[Vertex]) -> f64 {
-    let across = vertices[ear[0] as usize].b.distance_squared(vertices[ear[2] as usize].b);
-    area(ear) / across.max(1e-300)
+/// Points of an edge that are nearly one are one; between them nothing is left.
+fn has_one_point_twice([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
 }
 
 /// How far along its edge a point on side k lies, 0 to 1 from the edge's lower vertex.

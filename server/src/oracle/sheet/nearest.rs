@@ -35,7 +35,7 @@ impl Sheet<'_> {
         Some(best)
     }
 
-    /// A place that is at most `slack`, and of a surface the residual there, farther than the nearest: much sooner
+    /// A place that is at most `slack`, and of a surface twice the residual, farther than the nearest: much sooner
     /// found where many places are about as near.
     #[must_use]
     pub fn near_enough(&self, point: DVec3, hint: Option<u32>, slack: f64) -> Option<Near> {

@@ -104,8 +104,9 @@ pub(super) fn slack(mesh: &Mesh, layers: &[Arc<Vec<Layer>>]) -> f64 {
         Some(field) => (0..field.channels()).map(|c| of_channel(layer, field, c)).sum::<f64>() * longest,
         None => 0.0,
     };
-    // On a seam, a side is pulled from its own displacement to what all agree on.
-    3.0 * layers.iter().map(|layers| layers.iter().map(of_layer).sum()).fold(0.0, f64::max)
+    // On each side that is a seam, it is pulled from its own displacement to what all agree on; the three pulls weigh
+    // no more than 2 together.
+    5.0 * layers.iter().map(|layers| layers.iter().map(of_layer).sum()).fold(0.0, f64::max)
 }
 
 /// Over a triangle with these corners.
