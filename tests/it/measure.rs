@@ -68,6 +68,18 @@ fn a_painted_mesh_shows_the_distance_between_its_vertices_too() {
 }
 
 #[test]
+fn a_distance_that_rounding_blurs_is_called_an_estimate() {
+    let displace = Displace::default();
+    let mesh = plane(&displace);
+    let warned = |expression: &str| {
+        let found = measured(&displace, &[&mesh, &mesh, "--expr", expression]);
+        found["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "estimated_not_certified")
+    };
+    assert!(warned("0.1*((1e15+u)-1e15)"));
+    assert!(!warned("0.1*u"));
+}
+
+#[test]
 fn a_crack_is_told_by_its_width() {
     let displace = Displace::default();
     let closed = displace.file("closed.glb", &meshes::cube().to_glb());

@@ -82,7 +82,7 @@ impl Warning {
     /// `figure` has no proven bound, for the reason `why`: it must not be read as one.
     #[must_use]
     pub fn estimated_not_certified(figure: &str, why: &str) -> Self {
-        let message = format!("{figure} is an estimate from samples and may be too low: {why}");
+        let message = format!("{figure} is an estimate, not a bound: {why}");
         Self::new("estimated_not_certified", message)
     }
 }

@@ -56,6 +56,13 @@ pub fn measure(
         );
         warnings.push(Warning::new("precision_not_reached", message));
     }
+    let rounding = a.rounding();
+    if rounding > precision_world / 8.0 {
+        let why = format!(
+            "rounding moves the surface by {rounding:e} world units; write the expression without differences of large numbers, or ask for less precision"
+        );
+        warnings.push(Warning::estimated_not_certified("the distance", &why));
+    }
     let measurement = Measurement {
         hausdorff: Hausdorff { lo, hi, a_to_b: distance(&there, &samples[0]), b_to_a: distance(&back, &samples[1]) },
         rms: root_mean_square(samples.iter().flatten()),

@@ -3,6 +3,7 @@
 
 mod closest;
 mod nearest;
+mod rounding;
 mod stretch;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};

@@ -122,6 +122,13 @@ impl<'m> Surface<'m> {
         if bound.is_nan() { f64::INFINITY } else { bound }
     }
 
+    /// By how much rounding may have moved [`Self::position`] there.
+    #[must_use]
+    pub fn rounding(&self, t: usize, b: DVec3) -> f64 {
+        let bounds = self.evaluate::<IntervalJet>(t, &[b][..]);
+        DVec3::from_array(bounds.map(|f| f.value.hi - f.value.lo)).length()
+    }
+
     /// The texel-space coordinates, over the base triangle's corners, whose whole numbers are kinks of the
     /// surface inside it.
     #[must_use]
