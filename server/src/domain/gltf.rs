@@ -5,6 +5,7 @@
 //! error names the JSON path it is about. Decoding maps is `maps`' matter, welding `weld`'s.
 
 mod accessor;
+mod compression;
 mod container;
 mod displacement;
 mod extensions;
@@ -69,8 +70,10 @@ pub fn load(bytes: &Bytes, resources: &Resources<'_>, limits: &Limits) -> Result
     let container = container::split(bytes, limits)?;
     let mut document = container.document;
     let mut warnings = container.warnings;
+    check_version(&At::root(&document))?;
+    let decoded = compression::decode_all(&mut document, container.bin.as_ref(), resources, limits, &mut warnings)?;
+    let resources = &|uri: &str| decoded.find(uri).or_else(|| resources(uri));
     let root = At::root(&document);
-    check_version(&root)?;
     extensions::check(&root, &mut warnings)?;
     let source = Source::open(&root, container.bin, resources, limits)?;
     let inputs = primitive::read_all(&source, limits)?;

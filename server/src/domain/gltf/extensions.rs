@@ -48,7 +48,7 @@ pub(super) fn refers_to_no_data(name: &str) -> bool {
 }
 
 pub(super) fn is_compression(name: &str) -> bool {
-    matches!(name, "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression")
+    name == "KHR_draco_mesh_compression"
 }
 
 fn refusal(name: &str, at: &At<'_>) -> Error {

@@ -75,24 +75,15 @@ impl<'a> Source<'a> {
     }
 }
 
-fn buffer(at: &At<'_>, bin: Option<&Bytes>, resources: &Resources<'_>) -> Result<Bytes> {
+pub(super) fn buffer(at: &At<'_>, bin: Option<&Bytes>, resources: &Resources<'_>) -> Result<Bytes> {
     let length = at.need_whole("byteLength")?;
     let bytes = match at.get("uri") {
         Some(uri) => external(&uri, resources)?,
-        None => bin.cloned().ok_or_else(|| no_data(at))?,
+        None => bin.cloned().ok_or_else(|| at.error("has no uri, and the file no BIN chunk for it"))?,
     };
     match usize::try_from(length).ok().filter(|n| (1..=bytes.len()).contains(n)) {
         Some(length) => Ok(bytes.slice(..length)),
         None => Err(at.error(format!("byteLength is {length} and the data has {} bytes", bytes.len()))),
-    }
-}
-
-fn no_data(at: &At<'_>) -> Error {
-    match at.extension("EXT_meshopt_compression").or_else(|| at.extension("KHR_meshopt_compression")) {
-        Some(_) => {
-            at.unsupported("EXT_meshopt_compression without uncompressed data is not read: export without compression")
-        }
-        None => at.error("has no uri, and the file no BIN chunk for it"),
     }
 }
 

@@ -139,9 +139,42 @@ fn a_mesh_placed_beyond_f32_is_refused_with_its_node() {
 }
 
 #[test]
+fn a_file_compressed_by_meshopt_is_read_as_the_plain_one_and_written_plain() {
+    let (mut document, bin) = quad();
+    let words: Vec<u32> = bin[..128].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let vertices = meshopt::encode_vertex_buffer(&words).expect("encodes");
+    let indices = meshopt::encode_index_sequence(&[0, 1, 2, 0, 2, 3], 4).expect("encodes");
+    let packed = |offset: usize, bytes: usize, stride: u32, count: u32, mode: &str| {
+        json!({ "EXT_meshopt_compression": {
+            "buffer": 0, "byteOffset": offset, "byteLength": bytes, "byteStride": stride, "count": count, "mode": mode,
+        } })
+    };
+    for view in 0..2 {
+        document["bufferViews"][view]["buffer"] = 1.into();
+    }
+    document["bufferViews"][0]["extensions"] = packed(0, vertices.len(), 4, 32, "ATTRIBUTES");
+    document["bufferViews"][1]["extensions"] = packed(vertices.len(), indices.len(), 2, 6, "INDICES");
+    let fallback = json!({ "byteLength": 140, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
+    document["buffers"] = json!([{ "byteLength": vertices.len() + indices.len() }, fallback]);
+    document["extensionsUsed"] = json!(["EXT_meshopt_compression"]);
+    document["extensionsRequired"] = json!(["EXT_meshopt_compression"]);
+    let read = |document: &Value, bin: &[u8]| load(&glb(document, bin), &|_| None, &Limits::default());
+    let bytes = [vertices, indices].concat();
+    let (plain, scene) = (load_quad(|_| ()).expect("loads"), read(&document, &bytes).expect("loads"));
+    assert_eq!(scene.meshes[0].mesh.gv_position, plain.meshes[0].mesh.gv_position);
+    assert_eq!(scene.meshes[0].mesh.triangles, plain.meshes[0].mesh.triangles);
+    assert_eq!(scene.warnings[0].code, "compression_dropped");
+    let again = load(&rewritten(&scene).bytes.into(), &|_| None, &Limits::default()).expect("loads again");
+    assert!(again.document.get("extensionsRequired").is_none() && again.warnings.is_empty(), "{:?}", again.warnings);
+    document["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["count"] = 9.into();
+    let error = read(&document, &bytes).expect_err("refused").to_string();
+    assert!(error.starts_with("bufferViews[1]: byteLength is 12 and 9 elements of 2 bytes"), "{error}");
+}
+
+#[test]
 fn required_extensions_are_refused_by_name_and_optional_ones_kept() {
     let require = |name: &'static str| load_quad(|d| d["extensionsRequired"] = json!([name]));
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "FAKE_unknown"] {
+    for name in ["KHR_draco_mesh_compression", "FAKE_unknown"] {
         let error = require(name).expect_err("refused");
         assert!(error.kind == ErrorKind::Unsupported && error.message.contains(name), "{error}");
     }
