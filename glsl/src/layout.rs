@@ -37,4 +37,5 @@ mirrors! {
 }
 
 pub mod geometry;
+pub mod lists;
 pub mod raster;

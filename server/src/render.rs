@@ -1,10 +1,10 @@
 //! Executors of a plan: the Vulkan device and the f64 reference.
 
 pub mod image;
+pub mod lists;
 pub mod passes;
 pub mod reference;
 pub mod reference_image;
-pub mod scan;
 pub mod vulkan;
 
 use std::sync::Arc;

@@ -5,6 +5,7 @@ mod corpus;
 mod determinism;
 mod gltf;
 mod invariants;
+mod lists;
 mod measure;
 mod oracle;
 mod oracle_image;

@@ -126,20 +126,6 @@ mirrors! {
         pub source_size: [u32; 2],
         pub target_size: [u32; 2],
     }
-
-    pub struct ScanSumsParams {
-        pub count: u32,
-        pub blocks: u32,
-    }
-
-    pub struct ScanBlocksParams {
-        pub count: u32,
-    }
-
-    pub struct ScanParams {
-        pub count: u32,
-        pub blocks: u32,
-    }
 }
 
 /// Bits of `Part::flags`.
@@ -167,8 +153,6 @@ pub const SMALL_SAMPLES: u32 = 17 * 5;
 pub const TILE_PX: u32 = 16;
 /// Visibility samples of a pixel.
 pub const SAMPLES: u32 = 4;
-/// Items that one block of a prefix sum takes.
-pub const SCAN_BLOCK: u64 = 2048;
 
 /// Bits of `ShadeParams::outputs`.
 pub const OUTPUT_DEPTH: u32 = 1;

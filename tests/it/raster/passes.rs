@@ -3,11 +3,10 @@
 use displace_glsl::{
     SHADERS,
     layout::raster::{Fragment, MipParams, Part, SurfaceParams, SurfacePoint},
-    reference::{mip::Level, scan::exclusive_sums, surface::barycentrics, transform::homogeneous},
+    reference::{mip::Level, surface::barycentrics, transform::homogeneous},
 };
 use displace_server::{
     domain::cancel::{Cancel, NoProgress},
-    render::scan::Scan,
     vulkan::{Recorder, Stream},
 };
 use exr::prelude::f16;
@@ -21,32 +20,6 @@ fn run(record: impl FnOnce(&mut Recorder<'_>)) {
     let mut recorder = device().recorder(&cancel, &NoProgress);
     record(&mut recorder);
     recorder.finish().expect("runs");
-}
-
-#[test]
-fn prefix_sums_are_exact_at_every_block_boundary() {
-    for count in [0usize, 1, 63, 64, 2047, 2048, 2049, 131_071, 1 << 22, (1 << 22) + 1] {
-        let mut random = StdRng::seed_from_u64(count as u64);
-        let items: Vec<u32> = (0..count).map(|_| random.random_range(0..1000)).collect();
-        let (expected, expected_total) = exclusive_sums(&items);
-        let (offsets, total) = scan(&items);
-        assert_eq!(total, expected_total, "{count} items");
-        assert!(offsets.iter().map(|&o| u64::from(o)).eq(expected), "{count} items");
-    }
-}
-
-#[test]
-fn a_total_beyond_32_bits_is_told_as_it_is() {
-    assert_eq!(scan(&vec![u32::MAX; 5000]).1, 5000 * u64::from(u32::MAX));
-}
-
-fn scan(items: &[u32]) -> (Vec<u32>, u64) {
-    let count = items.len() as u64;
-    let scan = Scan::new(device(), count).expect("fits");
-    let items = Stream::from_slice(device(), "items", items).expect("fits");
-    let offsets = Stream::new(device(), "offsets", 4, count).expect("fits");
-    run(|recorder| scan.record(recorder, &items, &offsets, count).expect("records"));
-    (offsets.read().expect("reads"), scan.total().expect("reads"))
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::{
         image::{ImagePlan, RenderMesh, RenderScene},
         request::Aov,
     },
-    render::scan::Scan,
+    render::lists::scan::Scan,
     vulkan::{Device, Stream},
 };
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use displace_glsl::{
     SHADERS,
-    layout::raster::{SCAN_BLOCK, ScanBlocksParams, ScanParams, ScanSumsParams},
+    layout::lists::{SCAN_BLOCK, ScanBlocksParams, ScanParams, ScanSumsParams},
 };
 
 use crate::{
