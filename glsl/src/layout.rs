@@ -39,3 +39,4 @@ mirrors! {
 pub mod geometry;
 pub mod lists;
 pub mod raster;
+pub mod refine;

@@ -22,6 +22,7 @@ pub mod raster;
 pub mod reconcile_corners;
 pub mod reconcile_edges;
 pub mod reconcile_interiors;
+pub mod refine;
 pub mod samples;
 pub mod scan;
 pub mod shade;

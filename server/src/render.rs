@@ -5,6 +5,7 @@ pub mod lists;
 pub mod passes;
 pub mod reference;
 pub mod reference_image;
+pub mod refine;
 pub mod vulkan;
 
 use std::sync::Arc;

@@ -12,6 +12,7 @@ mod oracle_image;
 mod oracle_rays;
 mod passes;
 mod raster;
+mod refine;
 mod service;
 mod tidy;
 mod vulkan;

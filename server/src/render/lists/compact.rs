@@ -28,7 +28,8 @@ impl Compact {
     pub fn record(&self, recorder: &mut Recorder<'_>, flags: &Stream, kept: &Stream, count: u64) -> Result<()> {
         self.scan.record(recorder, flags, &self.offsets, count)?;
         let streams = [("flags", flags), ("offsets", &self.offsets), ("kept", kept)];
-        recorder.dispatch(&SHADERS.compact, count, &CompactParams { count: count as u32 }, &streams)
+        recorder.dispatch(&SHADERS.compact, count, &CompactParams { count: count as u32 }, &streams)?;
+        Ok(())
     }
 
     /// How many the last run kept.

@@ -14,5 +14,6 @@ pub fn record(recorder: &mut Recorder<'_>, offsets: &Stream, places: &Stream, it
         return Ok(());
     }
     let params = ExpandParams { count: count as u32, items: items as u32 };
-    recorder.dispatch(&SHADERS.expand, count, &params, &[("offsets", offsets), ("places", places)])
+    recorder.dispatch(&SHADERS.expand, count, &params, &[("offsets", offsets), ("places", places)])?;
+    Ok(())
 }

@@ -1,0 +1,52 @@
+#version 460
+// Marks the longest side of triangles that are to be split. As `closing`: of triangles with a marked side, until no
+// triangle has a marked side and an unmarked longest one (Rivara 1984).
+#include "common.glsl"
+#include "pages.glsl"
+#include "refine.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;   // triangles
+    uint closing; // 0 or 1
+} params;
+
+PAGED(0, readonly, RefinedTriangle, triangles);
+PAGED(1, readonly, RefinedEdge, edges);
+PAGED(2, readonly, uint, wanted); // 1: split this triangle
+PAGED(3, , uint, marks);          // of edges, 0 or 1
+PAGED(4, writeonly, uint, changed);
+
+uint longest_side(const uvec3 ge) {
+    uint best = 0u;
+    float length = LOAD(edges, ge.x).length_square;
+    for (uint k = 1u; k < 3u; ++k) {
+        float other = LOAD(edges, ge[k]).length_square;
+        if (is_longer(other, ge[k], length, ge[best])) {
+            best = k;
+            length = other;
+        }
+    }
+    return best;
+}
+
+void element(uint i) {
+    uvec3 ge = LOAD(triangles, i).ge;
+    bool splits;
+    if (params.closing == 0u) {
+        splits = LOAD(wanted, i) == 1u;
+    } else {
+        splits = (LOAD(marks, ge.x) | LOAD(marks, ge.y) | LOAD(marks, ge.z)) != 0u;
+    }
+    if (splits) {
+        uint longest = ge[longest_side(ge)];
+        if (LOAD(marks, longest) == 0u) {
+            // Several triangles may write the same 1.
+            STORE(marks, longest, 1u);
+            STORE(changed, 0u, 1u);
+        }
+    }
+}
+
+#include "batch.glsl"
