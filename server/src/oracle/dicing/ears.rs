@@ -22,12 +22,15 @@ pub(super) fn triangles(outline: &[DVec3]) -> Vec<[usize; 3]> {
         }
         // The last corner beside a straight side stays, or that side alone would be left.
         if ring.would_leave_a_side(k) {
-            held.push(k);
+            if !held.contains(&k) {
+                held.push(k);
+            }
             continue;
         }
         let [before, after] = [ring.before[k], ring.after[k]];
         made.push([before, k, after]);
         ring.remove(k);
+        held.retain(|k| *k != before && *k != after);
         open.extend([before, after].into_iter().chain(held.drain(..)).map(|k| ring.key(k)));
     }
     let last = (0..count).find(|&k| !ring.is_cut(k)).unwrap_or(0);
