@@ -45,7 +45,7 @@ fn every_round_is_the_twin_s_to_the_bit_and_breaks_nothing() {
         let base = base(&mesh);
         let mut device_side = Refinement::new(device(), &base).expect("fits");
         let mut twin = Refined::of(&base);
-        check(&mesh.name, &base, &twin);
+        check(mesh.name, &base, &twin);
         for round in 0..ROUNDS {
             let wanted = some(twin.triangles.len(), round as u64);
             let found = one_round(&mut device_side, &wanted, u64::MAX);
@@ -57,7 +57,7 @@ fn every_round_is_the_twin_s_to_the_bit_and_breaks_nothing() {
                 assert_eq!(found, Round::Done, "{} round {round}", mesh.name);
             }
             assert!(device_side.read().expect("reads") == twin, "{} round {round}", mesh.name);
-            check(&mesh.name, &base, &twin);
+            check(mesh.name, &base, &twin);
         }
     }
 }

@@ -77,10 +77,14 @@ pub fn dice(
     cancel.check()?;
     let dicing = assemble(surface, &patches, &edges);
     if dicing.residual.iter().any(|residual| !residual.is_finite()) {
-        let message = "the surface cannot be bounded everywhere: keep the expression away from division by 0 and from roots and logarithms of numbers near 0";
-        return Err(Error::invalid("details", message));
+        return Err(unbounded());
     }
     Ok(dicing)
+}
+
+fn unbounded() -> Error {
+    let message = "the surface cannot be bounded everywhere: keep the expression away from division by 0 and from roots and logarithms of numbers near 0";
+    Error::invalid("details", message)
 }
 
 fn too_many(limits: &Limits) -> Error {

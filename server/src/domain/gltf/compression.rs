@@ -56,15 +56,14 @@ pub(super) fn decode_all(
     }
     let message = format!("{} compressed buffer views were decoded; the result is written uncompressed", views.len());
     warnings.push(Warning::new("compression_dropped", message));
-    let mut buffer = root.count("buffers")?;
-    for (view, bytes) in views {
+    let first = root.count("buffers")?;
+    for (buffer, (view, bytes)) in (first..).zip(views) {
         let uri = format!("{SCHEME}{view}");
         point_at(&mut document["bufferViews"][view], buffer, bytes.len());
         if let Some(buffers) = document["buffers"].as_array_mut() {
             buffers.push(json!({ "byteLength": bytes.len(), "uri": uri }));
         }
         decoded.0.insert(uri, bytes);
-        buffer += 1;
     }
     forget(document, &mut decoded);
     Ok(decoded)

@@ -98,6 +98,10 @@ impl Patch {
                     continue;
                 }
             }
+            // What has no bound after so many cuts has none after more.
+            if finite && polygon.deviation.is_infinite() && polygon.depth >= limits.max_depth {
+                return Err(super::unbounded());
+            }
             let triangles = polygon.corners.len() - 2;
             if spent.fetch_add(triangles, Ordering::Relaxed) + triangles > limits.max_triangles {
                 return Err(super::too_many(limits));

@@ -113,11 +113,11 @@ impl Packed {
         };
         match (self.filter, self.stride) {
             (Filter::None, _) => bytes,
-            (Filter::Octahedral, 4) => with_bytes(&bytes, |v| decode_filter_oct::<i8>(v)),
-            (Filter::Octahedral, _) => with_shorts(&bytes, |v| decode_filter_oct::<i16>(v)),
-            (Filter::Quaternion, _) => with_shorts(&bytes, |v| decode_filter_quat(v)),
-            (Filter::Color, 4) => with_bytes(&bytes, |v| decode_filter_color::<i8>(v)),
-            (Filter::Color, _) => with_shorts(&bytes, |v| decode_filter_color::<i16>(v)),
+            (Filter::Octahedral, 4) => with_bytes(&bytes, decode_filter_oct::<i8>),
+            (Filter::Octahedral, _) => with_shorts(&bytes, decode_filter_oct::<i16>),
+            (Filter::Quaternion, _) => with_shorts(&bytes, decode_filter_quat),
+            (Filter::Color, 4) => with_bytes(&bytes, decode_filter_color::<i8>),
+            (Filter::Color, _) => with_shorts(&bytes, decode_filter_color::<i16>),
             (Filter::Exponential, _) => {
                 let mut words = words(&bytes);
                 decode_filter_exp(&mut words);
