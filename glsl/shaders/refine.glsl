@@ -54,10 +54,10 @@ uint along_edge(const RefinedVertex vertex, const uint first_gv) {
     return vertex.kind == CORNER ? (vertex.owner == first_gv ? 0u : UNIT) : vertex.param.x;
 }
 
-// The side to split first: longer before shorter, then the higher number. Sides have an order of their own, so all
-// triangles of an edge agree on it.
+// The side to split first: longer before shorter, then by mixed numbers, since along a ribbon numbers rise and every
+// triangle would wait for the next. Sides have an order of their own, so all triangles of an edge agree on it.
 bool is_longer(const float a, const uint a_id, const float b, const uint b_id) {
     uint x = floatBitsToUint(a);
     uint y = floatBitsToUint(b);
-    return x > y || (x == y && a_id > b_id);
+    return x > y || (x == y && a_id * 0x9E3779B1u > b_id * 0x9E3779B1u);
 }

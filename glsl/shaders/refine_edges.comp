@@ -21,15 +21,25 @@ PAGED(4, readonly, uvec2, base_edges); // gvs of each base ge
 PAGED(5, readonly, RefinedVertex, vertices);
 PAGED(6, writeonly, RefinedVertex, next_vertices);
 PAGED(7, writeonly, RefinedEdge, next_edges);
+PAGED(8, writeonly, uint, inexact); // 1 where a middle is no whole number of units
+
+void note(const uint sum) {
+    if ((sum & 1u) != 0u) {
+        STORE(inexact, 0u, 1u);
+    }
+}
 
 // Both lie on the base edge, or in the base triangle, that the edge is of.
 RefinedVertex midpoint(const RefinedEdge edge, const RefinedVertex a, const RefinedVertex b) {
     if (edge.kind == EDGE) {
         uint first = LOAD(base_edges, edge.owner).x;
-        return RefinedVertex(EDGE, edge.owner, uvec2((along_edge(a, first) + along_edge(b, first)) / 2u, 0u));
+        uint sum = along_edge(a, first) + along_edge(b, first);
+        note(sum);
+        return RefinedVertex(EDGE, edge.owner, uvec2(sum / 2u, 0u));
     }
     RefineBase base = LOAD(bases, edge.owner);
     uvec3 sum = barycentrics(a, base) + barycentrics(b, base);
+    note(sum.y | sum.z);
     return RefinedVertex(INTERIOR, edge.owner, sum.yz / 2u);
 }
 

@@ -42,7 +42,8 @@ void element(uint i) {
     if (splits) {
         uint longest = ge[longest_side(ge)];
         if (LOAD(marks, longest) == 0u) {
-            // Several triangles may write the same 1.
+            // Others may read it before or after, or write the same 1: a mark never goes, and a sweep that changed
+            // nothing has read the marks as they stay.
             STORE(marks, longest, 1u);
             STORE(changed, 0u, 1u);
         }

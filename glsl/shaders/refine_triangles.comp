@@ -64,7 +64,7 @@ uint next_edge;
 uint next_triangle;
 
 vec3 base_position(const uint vertex) {
-    vec3 b = vec3(barycentrics(LOAD(vertices, vertex), base)) / float(UNIT);
+    vec3 b = vec3(barycentrics(LOAD(vertices, vertex), base)) * (1.0 / 16777216.0);
     precise vec3 position = b.x * LOAD(base_positions, base.gv.x) + b.y * LOAD(base_positions, base.gv.y)
         + b.z * LOAD(base_positions, base.gv.z);
     return position;

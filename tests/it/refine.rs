@@ -102,6 +102,26 @@ fn book(positions: Vec<[f32; 3]>, triangles: &[[u32; 3]]) -> Base {
     Base { triangles: triangles.iter().map(triangle).collect(), edges: edges.clone(), positions }
 }
 
+#[test]
+fn a_corner_is_refined_until_its_edges_cannot_be_told_apart_and_no_further() {
+    let base = book(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    let mut refinement = Refinement::new(device(), &base).expect("fits");
+    // Each round at most halves the sides at the corner.
+    for round in 0..80 {
+        let before = refinement.read().expect("reads");
+        let wanted: Vec<u32> = before.triangles.iter().map(|t| u32::from(t.gv.contains(&0))).collect();
+        match one_round(&mut refinement, &wanted, u64::MAX) {
+            Round::Split(_) => check("corner", &base, &refinement.read().expect("reads")),
+            found => {
+                assert_eq!(found, Round::TooFine, "round {round}");
+                assert!(round >= 24, "round {round}");
+                return assert!(refinement.read().expect("reads") == before);
+            }
+        }
+    }
+    panic!("sides of one unit were halved");
+}
+
 /// The invariants of a conforming refinement.
 fn check(name: &str, base: &Base, refined: &Refined) {
     let mut uses = vec![0u32; refined.edges.len()];

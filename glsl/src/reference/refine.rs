@@ -43,7 +43,8 @@ pub fn barycentrics(vertex: &RefinedVertex, base: &RefineBase) -> [u32; 3] {
 /// The side to split first.
 #[must_use]
 pub fn longest_side(edges: &[RefinedEdge], triangle: &RefinedTriangle) -> usize {
-    let key = |k: &usize| (edges[triangle.ge[*k] as usize].length_square.to_bits(), triangle.ge[*k]);
+    let mixed = |ge: u32| ge.wrapping_mul(0x9E37_79B1);
+    let key = |k: &usize| (edges[triangle.ge[*k] as usize].length_square.to_bits(), mixed(triangle.ge[*k]));
     (0..3).max_by_key(key).unwrap_or(0)
 }
 

@@ -72,6 +72,7 @@ pub fn load(bytes: &Bytes, resources: &Resources<'_>, limits: &Limits) -> Result
     let mut warnings = container.warnings;
     check_version(&At::root(&document))?;
     let decoded = compression::decode_all(&mut document, container.bin.as_ref(), resources, limits, &mut warnings)?;
+    let limits = &Limits { decoded_bytes: limits.decoded_bytes.saturating_sub(decoded.bytes()), ..*limits };
     let resources = &|uri: &str| decoded.find(uri).or_else(|| resources(uri));
     let root = At::root(&document);
     extensions::check(&root, &mut warnings)?;

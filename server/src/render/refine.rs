@@ -44,6 +44,8 @@ pub enum Round {
     Split(u64),
     /// So many there would be, above the limit: nothing changed.
     OverBudget(u64),
+    /// An edge is as short as can be told, 2^-24 of its base edge or triangle: nothing changed.
+    TooFine,
 }
 
 /// What is split in a round.
@@ -88,6 +90,9 @@ impl Refinement {
 
     /// Splits the triangles whose `wanted` is 1, and those they reach, unless more than `max_triangles` come out.
     pub fn round(&mut self, job: &JobContext<'_>, wanted: &Stream, max_triangles: u64) -> Result<Round> {
+        if wanted.len() != self.triangles.len() {
+            return Err(Error::internal("a round needs one word for each triangle"));
+        }
         let marks = self.mark(job, wanted)?;
         let triangles = self.triangles.len() + marks.split;
         if marks.marked == 0 {
@@ -96,8 +101,8 @@ impl Refinement {
         if triangles > max_triangles {
             return Ok(Round::OverBudget(triangles));
         }
-        self.split(job, &marks)?;
-        Ok(Round::Split(triangles))
+        let exact = self.split(job, &marks)?;
+        Ok(if exact { Round::Split(triangles) } else { Round::TooFine })
     }
 
     fn mark(&self, job: &JobContext<'_>, wanted: &Stream) -> Result<Marks> {
@@ -162,7 +167,8 @@ impl Refinement {
         Ok(Marks { marks, mark_offsets, split_offsets, marked, split })
     }
 
-    fn split(&mut self, job: &JobContext<'_>, marks: &Marks) -> Result<()> {
+    /// Whether all middles are whole numbers of units; else nothing changed.
+    fn split(&mut self, job: &JobContext<'_>, marks: &Marks) -> Result<bool> {
         let (vertices, edges, triangles) = (self.vertices.len(), self.edges.len(), self.triangles.len());
         let device = &self.device;
         let size = |bytes: usize| bytes as u32;
@@ -172,6 +178,7 @@ impl Refinement {
         let next_triangles =
             Stream::new(device, "triangles", size(size_of::<RefinedTriangle>()), triangles + marks.split)?;
         let next_states = Stream::new(device, "states", WORD, triangles + marks.split)?;
+        let inexact = Stream::from_slice(device, "inexact", &[0u32])?;
         let mut recorder = device.recorder(job.cancel, job.progress);
         let carried = [("vertices", &self.vertices), ("next_vertices", &next_vertices)];
         let params = RefineVerticesParams { count: vertices as u32 };
@@ -191,6 +198,7 @@ impl Refinement {
                 ("vertices", &self.vertices),
                 ("next_vertices", &next_vertices),
                 ("next_edges", &next_edges),
+                ("inexact", &inexact),
             ],
         )?;
         let params = RefineTrianglesParams { count: triangles as u32, edges: edges as u32, marked, vertices };
@@ -214,9 +222,12 @@ impl Refinement {
             ],
         )?;
         recorder.finish()?;
+        if inexact.read::<u32>()? != [0] {
+            return Ok(false);
+        }
         (self.vertices, self.edges) = (next_vertices, next_edges);
         (self.triangles, self.states) = (next_triangles, next_states);
-        Ok(())
+        Ok(true)
     }
 }
 

@@ -104,14 +104,20 @@ async fn a_deadline_ends_a_stream_with_deadline_exceeded() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_deadline_ends_an_upload_with_deadline_exceeded() {
     let harness = Harness::start().await;
-    let stalled = futures::stream::once(async {
-        v1::WriteRequest { name: super::name_of(&super::digest_of(b"x")), ..Default::default() }
-    });
-    let mut request = Request::new(futures::StreamExt::chain(stalled, futures::stream::pending()));
-    // Only the server's timer counts: the client's own would answer by itself.
-    request.metadata_mut().insert("grpc-timeout", "200m".parse().unwrap());
-    let status = harness.assets().write(request).await.unwrap_err();
-    assert_eq!(status.code(), Code::DeadlineExceeded, "{status:?}");
+    // The client keeps the same deadline, and on a busy machine it is sometimes the first to say so.
+    for _ in 0..10 {
+        let stalled = futures::stream::once(async {
+            v1::WriteRequest { name: super::name_of(&super::digest_of(b"x")), ..Default::default() }
+        });
+        let mut request = Request::new(futures::StreamExt::chain(stalled, futures::stream::pending()));
+        request.metadata_mut().insert("grpc-timeout", "200m".parse().unwrap());
+        let status = harness.assets().write(request).await.unwrap_err();
+        if status.code() == Code::DeadlineExceeded {
+            return;
+        }
+        assert!(status.code() == Code::Cancelled && status.message() == "Timeout expired", "{status:?}");
+    }
+    panic!("the server never ended the upload");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -4,7 +4,7 @@
 
 mod packed;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use bytes::Bytes;
 use serde_json::{Value, json};
@@ -26,6 +26,10 @@ impl Decoded {
     pub(super) fn find(&self, uri: &str) -> Option<Bytes> {
         self.0.get(uri).cloned()
     }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.0.values().map(|bytes| bytes.len() as u64).sum()
+    }
 }
 
 /// Decodes what is compressed and takes the extension out of the document.
@@ -45,17 +49,19 @@ pub(super) fn decode_all(
         for (i, view) in root.list("bufferViews")?.iter().enumerate() {
             if let Some(packed) = extension(view) {
                 let packed = Packed::read(view, &packed, &mut buffers)?;
-                left = left.checked_sub(packed.bytes() as u64).ok_or_else(|| too_large(view))?;
+                // Twice, for what they are turned into and from.
+                left = left.checked_sub(2 * packed.bytes() as u64).ok_or_else(|| too_large(view))?;
                 views.push((i, packed.decode()?));
             }
         }
         views
     };
-    if views.is_empty() {
-        return Ok(decoded);
+    let plain = plain_buffers(&root)?;
+    if !views.is_empty() {
+        let message =
+            format!("{} compressed buffer views were decoded; the result is written uncompressed", views.len());
+        warnings.push(Warning::new("compression_dropped", message));
     }
-    let message = format!("{} compressed buffer views were decoded; the result is written uncompressed", views.len());
-    warnings.push(Warning::new("compression_dropped", message));
     let first = root.count("buffers")?;
     for (buffer, (view, bytes)) in (first..).zip(views) {
         let uri = format!("{SCHEME}{view}");
@@ -65,7 +71,7 @@ pub(super) fn decode_all(
         }
         decoded.0.insert(uri, bytes);
     }
-    forget(document, &mut decoded);
+    forget(document, &plain, &mut decoded);
     Ok(decoded)
 }
 
@@ -95,8 +101,15 @@ fn remove_extension(value: &mut Value) {
     }
 }
 
-/// The names of the extension, and the buffers that stand in for what it compressed: nothing refers to them now.
-fn forget(document: &mut Value, decoded: &mut Decoded) {
+/// The buffers of views that are not compressed.
+fn plain_buffers(root: &At<'_>) -> Result<HashSet<u64>> {
+    let views = root.list("bufferViews")?;
+    let plain = views.iter().filter(|view| extension(view).is_none());
+    Ok(plain.filter_map(|view| view.whole("buffer").ok().flatten()).collect())
+}
+
+/// The names of the extension, and the buffers that stand in for what it compressed and are of no use now.
+fn forget(document: &mut Value, plain: &HashSet<u64>, decoded: &mut Decoded) {
     for list in ["extensionsUsed", "extensionsRequired"] {
         if let Some(names) = document.get_mut(list).and_then(Value::as_array_mut) {
             names.retain(|name| !name.as_str().is_some_and(|name| NAMES.contains(&name)));
@@ -106,10 +119,11 @@ fn forget(document: &mut Value, decoded: &mut Decoded) {
         }
     }
     let uri = format!("{SCHEME}none");
-    for buffer in document["buffers"].as_array_mut().into_iter().flatten() {
+    let buffers = document.get_mut("buffers").and_then(Value::as_array_mut);
+    for (i, buffer) in (0..).zip(buffers.into_iter().flatten()) {
         let stands_in = NAMES.iter().any(|name| buffer["extensions"][name]["fallback"] == true);
         remove_extension(buffer);
-        if stands_in && buffer.get("uri").is_none() {
+        if stands_in && !plain.contains(&i) {
             *buffer = json!({ "byteLength": 1, "uri": uri });
         }
     }

@@ -166,9 +166,21 @@ fn a_file_compressed_by_meshopt_is_read_as_the_plain_one_and_written_plain() {
     assert_eq!(scene.warnings[0].code, "compression_dropped");
     let again = load(&rewritten(&scene).bytes.into(), &|_| None, &Limits::default()).expect("loads again");
     assert!(again.document.get("extensionsRequired").is_none() && again.warnings.is_empty(), "{:?}", again.warnings);
-    document["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["count"] = 9.into();
-    let error = read(&document, &bytes).expect_err("refused").to_string();
-    assert!(error.starts_with("bufferViews[1]: byteLength is 12 and 9 elements of 2 bytes"), "{error}");
+    let refused = |path: &str, value: Value| {
+        let mut document = document.clone();
+        *document.pointer_mut(path).expect("there") = value;
+        read(&document, &bytes).expect_err("refused").to_string()
+    };
+    let packed = "bufferViews/1/extensions/EXT_meshopt_compression";
+    let error = refused(&format!("/{packed}/count"), json!(4));
+    assert!(error.starts_with("bufferViews[1]: byteLength is 12 and 4 elements of 2 bytes"), "{error}");
+    let error = refused(&format!("/{packed}/count"), json!(4_000_000_000u32));
+    assert!(error.contains("bytes are too few for 4000000000 elements"), "{error}");
+    // A plain view may not lie in a buffer that only stands in.
+    let error = refused("/bufferViews/1/extensions", json!({}));
+    assert!(error.starts_with("buffers[1]: has no uri"), "{error}");
+    document["buffers"][1]["uri"] = "never_uploaded.bin".into();
+    assert!(read(&document, &bytes).is_ok(), "what stands in is not asked for");
 }
 
 #[test]
@@ -179,6 +191,7 @@ fn required_extensions_are_refused_by_name_and_optional_ones_kept() {
         assert!(error.kind == ErrorKind::Unsupported && error.message.contains(name), "{error}");
     }
     assert!(require("KHR_texture_transform").is_ok());
+    assert!(require("EXT_meshopt_compression").is_ok(), "required, and nothing is compressed");
     let scene = load_quad(|d| {
         d["extensionsUsed"] = json!(["FAKE_unknown"]);
         d["extensions"] = json!({ "FAKE_unknown": { "accessor": 1 } });

@@ -72,12 +72,32 @@ impl Packed {
         if self.mode == Mode::Triangles && !self.count.is_multiple_of(3) {
             return Err(at.error(format!("count {} is not a multiple of 3, as mode TRIANGLES needs", self.count)));
         }
+        if view.whole("byteStride")?.is_some_and(|own| own != stride as u64) {
+            return Err(view.error(format!("byteStride is not the {stride} of what is packed")));
+        }
+        // A short stream must not make a large buffer.
+        if self.bytes.len() < self.least_bytes() {
+            return Err(at.error(format!("{} bytes are too few for {} elements", self.bytes.len(), self.count)));
+        }
         let length = view.need_whole("byteLength")?;
         if self.count == 0 || length != self.bytes() as u64 {
             let message = format!("byteLength is {length} and {} elements of {stride} bytes are packed", self.count);
             return Err(view.error(message));
         }
         Ok(())
+    }
+
+    /// No stream of as many elements is shorter, by the codecs of the extension's appendices: a head, a code for each
+    /// triangle or index and a tail; or a control byte for four bytes of an element and a block.
+    fn least_bytes(&self) -> usize {
+        match self.mode {
+            Mode::Triangles => 1 + self.count / 3 + 16,
+            Mode::Indices => 1 + self.count + 4,
+            Mode::Attributes => {
+                let block = ((8192 / self.stride) & !15).min(256);
+                1 + self.count.div_ceil(block) * (self.stride / 4)
+            }
+        }
     }
 
     /// Decoded.
