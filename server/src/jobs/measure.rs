@@ -128,6 +128,8 @@ fn diced(
     surfaces: &[Surface<'_>],
     precision: f64,
 ) -> Result<Vec<Dicing>> {
+    // What has no bound at all is found at once this way: nothing else is cut.
+    diced_to(context, reference, surfaces, f64::MAX)?;
     let mut residual_world = COARSE * precision;
     loop {
         match diced_to(context, reference, surfaces, residual_world) {

@@ -98,8 +98,8 @@ impl Patch {
                     continue;
                 }
             }
-            // What has no bound after so many cuts has none after more.
-            if finite && polygon.deviation.is_infinite() && polygon.depth >= limits.max_depth {
+            // What has no bound where it cannot be cut further has none.
+            if finite && polygon.deviation.is_infinite() {
                 return Err(super::unbounded());
             }
             let triangles = polygon.corners.len() - 2;
