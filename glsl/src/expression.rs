@@ -3,10 +3,12 @@
 
 pub mod dual;
 pub mod interval;
+pub mod interval_jet;
 pub mod noise;
 
 pub use dual::Dual;
 pub use interval::Interval;
+pub use interval_jet::IntervalJet;
 
 /// Longest program, in instructions: the cost limit of one evaluation.
 pub const MAX_INSTRUCTIONS: usize = 256;

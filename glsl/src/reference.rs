@@ -3,12 +3,15 @@
 
 pub mod attributes;
 pub mod base_color;
+pub mod bound;
 pub mod clip;
+pub mod collapse;
 pub mod compact;
 pub mod displace;
 pub mod displace_expression;
 pub mod displace_vector;
 pub mod expand;
+pub mod flip;
 pub mod frame;
 pub mod jets_correction;
 pub mod jets_expression;
@@ -18,6 +21,7 @@ pub mod map;
 pub mod mip;
 pub mod normals_analytic;
 pub mod normals_geometric;
+pub mod place;
 pub mod raster;
 pub mod reconcile_corners;
 pub mod reconcile_edges;

@@ -99,7 +99,7 @@ fn book(positions: Vec<[f32; 3]>, triangles: &[[u32; 3]]) -> Base {
         ge: [0, 1, 2].map(|k| number(side(t, k))),
         reversed: (0..3).filter(|&k| side(t, k)[0] != t[k]).map(|k| 1 << k).sum(),
     };
-    Base { triangles: triangles.iter().map(triangle).collect(), edges: edges.clone(), positions }
+    Base::new(triangles.iter().map(triangle).collect(), edges.clone(), positions)
 }
 
 #[test]

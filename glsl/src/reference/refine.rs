@@ -9,8 +9,21 @@ pub struct Base {
     pub triangles: Vec<RefineBase>,
     /// gvs of each ge, the first the lower.
     pub edges: Vec<[u32; 2]>,
+    /// A triangle and its side for each ge.
+    pub edge_side: Vec<[u32; 2]>,
     /// Positions of gvs, local units.
     pub positions: Vec<[f32; 3]>,
+}
+
+impl Base {
+    #[must_use]
+    pub fn new(triangles: Vec<RefineBase>, edges: Vec<[u32; 2]>, positions: Vec<[f32; 3]>) -> Self {
+        let mut edge_side = vec![[0; 2]; edges.len()];
+        for (t, triangle) in (0..triangles.len() as u32).zip(&triangles).rev() {
+            triangle.ge.iter().zip(0u32..).for_each(|(ge, side)| edge_side[*ge as usize] = [t, side]);
+        }
+        Self { triangles, edges, edge_side, positions }
+    }
 }
 
 /// The refined mesh.

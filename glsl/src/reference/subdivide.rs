@@ -23,9 +23,14 @@ pub struct Base {
 /// Vertex `index` of a block of fine vertices.
 #[must_use]
 pub fn base(tables: &Tables, which: u32, index: u32) -> Base {
-    let site = Site::of(tables, which, index);
+    at(tables, &Site::of(tables, which, index), which == block::CORNERS)
+}
+
+/// At any site; a `corner`'s own normal counts as unit.
+#[must_use]
+pub fn at(tables: &Tables, site: &Site, corner: bool) -> Base {
     let normal = site.blend_table(&tables.av_normal);
-    let divisor = if which == block::CORNERS { 1.0 } else { normal.length().max(MIN_BLENDED_NORMAL) };
+    let divisor = if corner { 1.0 } else { normal.length().max(MIN_BLENDED_NORMAL) };
     let w = |table: &[[f32; 4]]| frame::scalar_jet(site.b, site.av.map(|av| f64::from(table[av as usize][3]))).x;
     let unit = normal.try_normalize().unwrap_or_else(|| vector(&tables.av_normal[site.av[0] as usize]));
     Base {
@@ -33,7 +38,7 @@ pub fn base(tables: &Tables, which: u32, index: u32) -> Base {
         direction: site.blend_table(&tables.av_direction_v) / divisor,
         uv: [w(&tables.av_position_u), w(&tables.av_direction_v)],
         normal: unit,
-        tangent: tangent(tables, &site, unit),
+        tangent: tangent(tables, site, unit),
     }
 }
 

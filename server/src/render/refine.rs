@@ -240,9 +240,5 @@ pub fn base(mesh: &crate::domain::mesh::Mesh) -> Base {
         let reversed = (0..3).filter(|&k| mesh.ge_gv[ge[k] as usize][0] != gv[k]).map(|k| 1 << k).sum();
         displace_glsl::layout::refine::RefineBase { gv, ge, reversed }
     };
-    Base {
-        triangles: mesh.triangles.iter().map(triangle).collect(),
-        edges: mesh.ge_gv.clone(),
-        positions: mesh.gv_position.clone(),
-    }
+    Base::new(mesh.triangles.iter().map(triangle).collect(), mesh.ge_gv.clone(), mesh.gv_position.clone())
 }

@@ -1,0 +1,151 @@
+//! The bound of a detail's layers over a triangle of places between three attribute vertices.
+
+use glam::DVec3;
+
+use super::{
+    Asked, expression,
+    field::{Field, Scalar},
+    texels::{self, Corner},
+};
+use crate::{
+    layout::geometry::{Layer, kind},
+    reference::{
+        frame::{MIN_BLENDED_NORMAL, MIN_TANGENT_SQUARE, any_perpendicular},
+        map::{bilinear, texel_space, wrapped},
+        place::Places,
+        site::vector,
+    },
+};
+
+/// Texel space is cut off beyond this.
+const FARTHEST_TEXEL: f64 = 4_194_303.0;
+
+/// Where the layers of `detail` are bounded: barycentrics among `av`. A side counted as a triangle has two equal corners.
+#[derive(Clone, Copy)]
+pub(super) struct Patch<'p> {
+    pub(super) places: &'p Places<'p>,
+    pub(super) asked: Asked,
+    pub(super) av: [u32; 3],
+    pub(super) detail: u32,
+    pub(super) corners: [DVec3; 3],
+}
+
+/// A frame of reference over the patch.
+struct Frame {
+    direction: Field,
+    normal: Field,
+}
+
+impl Patch<'_> {
+    /// As [`super::bound`], without seams.
+    pub(super) fn bound(&self, cap: f64) -> f64 {
+        let layers = self.places.layers(self.detail);
+        if layers.is_empty() {
+            return 0.0;
+        }
+        let frame = self.frame();
+        let mut sum = 0.0;
+        for layer in layers {
+            sum += self.layer(layer, &frame, cap - sum);
+            if sum > cap {
+                break;
+            }
+        }
+        sum
+    }
+
+    pub(super) fn blend(&self, values: [DVec3; 3]) -> Field {
+        Field::linear(self.corners.map(|b| values[0] * b.x + values[1] * b.y + values[2] * b.z))
+    }
+
+    pub(super) fn uv(&self) -> [[f64; 2]; 3] {
+        let tables = self.places.tables;
+        let uv = self.av.map(|av| (tables.av_position_u[av as usize][3], tables.av_direction_v[av as usize][3]));
+        let u = DVec3::from_array(uv.map(|uv| f64::from(uv.0)));
+        let v = DVec3::from_array(uv.map(|uv| f64::from(uv.1)));
+        self.corners.map(|b| [b.dot(u), b.dot(v)])
+    }
+
+    fn frame(&self) -> Frame {
+        let tables = self.places.tables;
+        let normal = self.blend(self.av.map(|av| vector(&tables.av_normal[av as usize])));
+        let direction = self.blend(self.av.map(|av| vector(&tables.av_direction_v[av as usize])));
+        Frame { direction: direction.over(normal, MIN_BLENDED_NORMAL), normal }
+    }
+
+    fn layer(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
+        match layer.kind {
+            kind::HEIGHT => {
+                along(frame.direction, |cap| self.channel(layer, 0, cap), cap)
+            }
+            kind::EXPRESSION => along(frame.direction, |cap| expression::height(self, layer, cap), cap),
+            kind::VECTOR_OBJECT => {
+                let one = |k: u64| self.channel(layer, k, cap).curvature;
+                DVec3::new(one(0), one(1), one(2)).length()
+            }
+            _ => self.in_tangent_frame(layer, frame, cap),
+        }
+    }
+
+    fn in_tangent_frame(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
+        let normal = frame.normal.unit();
+        let (tangent, bitangent) = self.tangents(normal);
+        let axes = [tangent, bitangent, frame.direction];
+        (0..3).map(|k| along(axes[k as usize], |cap| self.channel(layer, k, cap), cap)).sum()
+    }
+
+    fn tangents(&self, normal: Field) -> (Field, Field) {
+        let tables = self.places.tables;
+        let raw = self.av.map(|av| tables.av_tangent[av as usize]);
+        let blended = self.blend(raw.map(|t| vector(&t)));
+        let along = normal.times(normal.dot(blended));
+        let back = Field { corners: along.corners.map(|c| -c), ..along };
+        let across = blended.add(back);
+        let least = across.corners.iter().fold(f64::INFINITY, |low, c| low.min(c.length_squared()));
+        let tangent = if least > MIN_TANGENT_SQUARE {
+            across.unit()
+        } else {
+            Field { corners: normal.corners.map(any_perpendicular), curvature: 2.0 }
+        };
+        let handed = self.corners.map(|b| b.dot(DVec3::from_array(raw.map(|t| f64::from(t[3])))));
+        let mut bitangent = normal.cross(tangent);
+        for (axis, handed) in bitangent.corners.iter_mut().zip(handed) {
+            *axis *= if handed < 0.0 { -1.0 } else { 1.0 };
+        }
+        // Handedness changes at once.
+        let mixed = handed.iter().any(|h| *h < 0.0) && handed.iter().any(|h| *h >= 0.0);
+        (tangent, Field { curvature: if mixed { 2.0 } else { bitangent.curvature }, ..bitangent })
+    }
+
+    /// One channel of a map, scaled; `cap` is what its own bound may reach.
+    fn channel(&self, layer: &Layer, channel: u64, cap: f64) -> Scalar {
+        let tables = self.places.tables;
+        let scale = f64::from(layer.scale);
+        let corners = self.uv().map(|[u, v]| {
+            let [x, y] = texel_space(layer, u, v);
+            Corner { x, y, value: bilinear(tables, layer, channel, [x, y]) }
+        });
+        let values = corners.map(|c| scale * (c.value - f64::from(layer.midlevel)));
+        let cut = |x: [f64; 3]| x.iter().any(|x| x.abs() >= FARTHEST_TEXEL) && x.iter().any(|other| *other != x[0]);
+        if cut(corners.map(|c| c.x)) || cut(corners.map(|c| c.y)) {
+            return Scalar { corners: values, curvature: f64::INFINITY };
+        }
+        let channels = if layer.kind == kind::HEIGHT { 1 } else { 3 };
+        let texel = |x: i64, y: i64| {
+            let texel = wrapped(&layer.down, y) * u64::from(layer.row) + wrapped(&layer.across, x);
+            f64::from(tables.texels[(u64::from(layer.first) + channels * texel + channel) as usize])
+        };
+        let cap = if scale == 0.0 { f64::INFINITY } else { cap / scale.abs() };
+        let curvature = texels::greatest(texel, corners, self.asked.at_texels, cap) * scale.abs();
+        Scalar { corners: values, curvature }
+    }
+}
+
+/// A height along a direction that bends.
+fn along(direction: Field, height: impl Fn(f64) -> Scalar, cap: f64) -> f64 {
+    let most = direction.most();
+    if most == 0.0 {
+        return 0.0;
+    }
+    direction.times(height(cap / most)).curvature
+}
