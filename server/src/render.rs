@@ -6,6 +6,7 @@ pub mod passes;
 pub mod reference;
 pub mod reference_image;
 pub mod refine;
+pub mod tessellate;
 pub mod vulkan;
 
 use std::sync::Arc;

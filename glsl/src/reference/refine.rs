@@ -100,6 +100,13 @@ impl Refined {
         }
     }
 
+    /// Whether all middles are whole numbers of units.
+    #[must_use]
+    pub fn halves_exactly(&self, base: &Base, marks: &[u32]) -> bool {
+        let marked = self.edges.iter().zip(marks).filter(|(_, mark)| **mark == 1);
+        marked.map(|(edge, _)| edge).all(|edge| self.sums(base, edge).iter().all(|sum| sum % 2 == 0))
+    }
+
     /// The next round.
     #[must_use]
     pub fn split(&self, base: &Base, marks: &[u32]) -> Self {
@@ -131,6 +138,11 @@ impl Refined {
     }
 
     fn midpoint(&self, base: &Base, edge: &RefinedEdge) -> RefinedVertex {
+        RefinedVertex { kind: edge.kind, owner: edge.owner, param: self.sums(base, edge).map(|sum| sum / 2) }
+    }
+
+    /// The parameters of both ends, added.
+    fn sums(&self, base: &Base, edge: &RefinedEdge) -> [u32; 2] {
         let ends = edge.gv.map(|gv| self.vertices[gv as usize]);
         if edge.kind == kind::EDGE {
             let first = base.edges[edge.owner as usize][0];
@@ -139,10 +151,10 @@ impl Refined {
                 kind::CORNER => UNIT,
                 _ => end.param[0],
             });
-            return RefinedVertex { kind: kind::EDGE, owner: edge.owner, param: [(along[0] + along[1]) / 2, 0] };
+            return [along[0] + along[1], 0];
         }
         let [a, b] = ends.map(|end| barycentrics(&end, &base.triangles[edge.owner as usize]));
-        RefinedVertex { kind: kind::INTERIOR, owner: edge.owner, param: [(a[1] + b[1]) / 2, (a[2] + b[2]) / 2] }
+        [a[1] + b[1], a[2] + b[2]]
     }
 
     fn put(&mut self, base: &Base, triangle: &RefinedTriangle, state: u32, longest: usize, sides: [Side; 3]) {

@@ -1,0 +1,163 @@
+//! The fewest triangles within a tolerance: refinement until every triangle keeps the bound, then collapses and flips
+//! that keep it. By the f64 twins, on all cores.
+
+mod refine;
+mod simplify;
+
+use displace_glsl::{
+    layout::refine::RefinedVertex,
+    reference::{
+        bound::Asked,
+        collapse::{Facet, Judge, Simplified, Stars},
+        place::Places,
+        refine::Base,
+    },
+    tables::Tables,
+};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::JobContext;
+use crate::domain::{
+    Result,
+    fit::Fit,
+    mesh::Mesh,
+    plan::TolerancePlan,
+    request::{ErrorAt, Quality},
+};
+
+/// The tessellation of one base mesh.
+#[derive(Clone, Debug)]
+pub struct Tessellated {
+    pub vertices: Vec<RefinedVertex>,
+    /// Displaced, by vertex.
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<Facet>,
+    /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
+    pub mismatch_max: f64,
+    pub fit: Fit,
+}
+
+/// How much finer than the tolerance refinement goes: collapses make more of vertices to choose from, and each costs time.
+const START: [f64; 2] = [0.85, 0.5];
+/// Flips and collapses by turns, so often.
+const SWEEPS: [u32; 2] = [1, 4];
+/// A refined mesh with more triangles for each that is allowed will not collapse into the budget.
+const MOST_REFINED: u64 = 4;
+/// f32 positions are off by half a unit in the last place along each axis, with their place and their height.
+const ROUNDING: f64 = 2.0 / (1 << 24) as f64;
+/// A tolerance that cannot be kept within the budget is loosened so often at most: each time by a tenth and more.
+const MOST_ATTEMPTS: u32 = 64;
+
+/// Tessellates `mesh`, whose tables are at level 0.
+pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, mesh: &Mesh) -> Result<Tessellated> {
+    let base = super::refine::base(mesh);
+    let places = Places::new(tables, &base);
+    let mut factor = 1.0;
+    for _ in 0..MOST_ATTEMPTS {
+        let work = Work::new(job, plan, &places, mesh, factor);
+        match work.run()? {
+            Attempt::Done(result) => return Ok(result),
+            Attempt::TooMany { most_likely } => factor *= most_likely.max(1.1),
+        }
+    }
+    Work::new(job, plan, &places, mesh, f64::INFINITY).of_base()
+}
+
+/// What a tolerance leads to.
+enum Attempt {
+    Done(Tessellated),
+    /// More triangles than the budget: loosen the tolerance by this factor.
+    TooMany { most_likely: f64 },
+}
+
+/// One attempt at the tolerance of the plan times `factor`.
+struct Work<'w> {
+    job: &'w JobContext<'w>,
+    plan: &'w TolerancePlan,
+    places: &'w Places<'w>,
+    asked: Asked,
+    factor: f64,
+    /// What rounding may take of it, local units.
+    rounding: f64,
+}
+
+impl<'w> Work<'w> {
+    fn new(
+        job: &'w JobContext<'w>,
+        plan: &'w TolerancePlan,
+        places: &'w Places<'w>,
+        mesh: &Mesh,
+        factor: f64,
+    ) -> Self {
+        let reach = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        let asked = Asked { at_texels: plan.error_at == ErrorAt::Texels };
+        Self { job, plan, places, asked, factor, rounding: ROUNDING * f64::from(reach) }
+    }
+
+    fn quality(&self) -> usize {
+        usize::from(self.plan.quality == Quality::High)
+    }
+
+    fn run(&self) -> Result<Attempt> {
+        let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
+        let limit = budget.saturating_mul(MOST_REFINED);
+        let Some(grown) = self.refine(START[self.quality()], limit)? else {
+            return Ok(Attempt::TooMany { most_likely: 2.0 });
+        };
+        let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
+        let mut mesh = grown.mesh;
+        fit.collapse_rounds = self.simplify(&mut mesh, SWEEPS[self.quality()])?;
+        let triangles = mesh.triangles.len() as u64;
+        if triangles > budget {
+            return Ok(Attempt::TooMany { most_likely: triangles as f64 / budget as f64 });
+        }
+        Ok(Attempt::Done(self.judged(mesh, grown.mismatch, fit)))
+    }
+
+    /// The base mesh as it is, whatever its error.
+    fn of_base(&self) -> Result<Tessellated> {
+        let grown = self.start();
+        Ok(self.judged(grown.mesh, grown.mismatch, Fit::default()))
+    }
+
+    /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
+    /// by no more than what is allowed.
+    fn tolerance(&self, corners: [DVec3; 3]) -> f64 {
+        let at = |radius: f64, centre: DVec3| self.plan.tolerance_at(centre, radius);
+        let mut allowed = self.plan.tolerance_local;
+        if !self.plan.views.is_empty() {
+            let centre = corners.iter().sum::<DVec3>() / 3.0;
+            let radius = corners.iter().fold(0.0, |most: f64, c| most.max(c.distance(centre)));
+            allowed = at(radius + at(radius, centre), centre);
+        }
+        (allowed * self.factor - self.rounding).max(0.5 * allowed)
+    }
+
+    fn judge<'j>(&'j self, mesh: &'j Simplified, stars: &'j Stars) -> Judge<'j, impl Fn([DVec3; 3]) -> f64 + Sync> {
+        Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: |corners| self.tolerance(corners) }
+    }
+
+    /// With the errors of all triangles, measured anew.
+    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit) -> Tessellated {
+        let stars = Stars::default();
+        let judge = self.judge(&mesh, &stars);
+        let factor = if self.factor.is_finite() { self.factor } else { 1.0 };
+        let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
+        let known = |error: f64| if error.is_finite() { error } else { 0.0 };
+        let (worst, all_known) =
+            errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1));
+        let bound_local = worst * self.plan.tolerance_local * factor + self.rounding;
+        let budget_reached = bound_local > self.plan.tolerance_local || self.factor > 1.0;
+        // Without ramps a seam's sides stay apart from the one place both get.
+        let open = if self.places.tables.corrections.is_empty() { mismatch_max } else { 0.0 };
+        let fit = Fit {
+            bound_local: bound_local + open,
+            tolerance_local: if budget_reached { bound_local } else { self.plan.tolerance_local },
+            certified: all_known && !self.asked.at_texels,
+            budget_reached,
+            ..fit
+        };
+        Tessellated { vertices: mesh.vertices, positions: mesh.positions, triangles: mesh.triangles, mismatch_max, fit }
+    }
+}

@@ -1,0 +1,94 @@
+//! Refinement: rounds of longest-edge bisection where the bound is not kept.
+
+use displace_glsl::{
+    layout::refine::RefinedTriangle,
+    reference::{
+        bound::bound,
+        collapse::{Facet, Simplified},
+        place::share_of,
+        refine::{Refined, barycentrics, longest_side, marks},
+    },
+};
+use rayon::prelude::*;
+
+use super::Work;
+use crate::domain::Result;
+
+/// A mesh that has grown by rounds.
+pub(super) struct Grown {
+    pub(super) mesh: Simplified,
+    pub(super) rounds: u32,
+    pub(super) mismatch: f64,
+}
+
+/// States of triangles.
+const NEW: u32 = 0;
+const GOOD: u32 = 1;
+const BAD: u32 = 2;
+/// Where a surface jumps no triangle is near it all over. One that is as small as this share of the tolerance is let be.
+const JUMP: f64 = 0.25;
+
+impl Work<'_> {
+    /// Every triangle within `share` of the tolerance; none where that takes more than `limit` triangles.
+    pub(super) fn refine(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
+        let mut refined = Refined::of(self.places.base);
+        let mut grown = self.start();
+        loop {
+            self.job.cancel.check()?;
+            self.job.progress.pass("refine", u64::from(grown.rounds), u64::from(grown.rounds) + 1);
+            let wanted = self.wanted(&mut refined, &grown, share);
+            let marks = marks(&refined, &wanted);
+            let added: u64 = refined.triangles.iter().flat_map(|t| t.ge).map(|ge| u64::from(marks[ge as usize])).sum();
+            if refined.triangles.len() as u64 + added > limit {
+                return Ok(None);
+            }
+            if added == 0 || !refined.halves_exactly(self.places.base, &marks) {
+                grown.mesh.triangles = refined.triangles.iter().map(Facet::from).collect();
+                grown.mesh.vertices = refined.vertices;
+                return Ok(Some(grown));
+            }
+            refined = refined.split(self.places.base, &marks);
+            grown.rounds += 1;
+            self.place(&refined, &mut grown);
+        }
+    }
+
+    /// The base mesh, displaced.
+    pub(super) fn start(&self) -> Grown {
+        let refined = Refined::of(self.places.base);
+        let triangles = refined.triangles.iter().map(Facet::from).collect();
+        let mesh = Simplified { vertices: refined.vertices.clone(), positions: Vec::new(), triangles };
+        let mut grown = Grown { mesh, rounds: 0, mismatch: self.places.mismatch };
+        self.place(&refined, &mut grown);
+        grown
+    }
+
+    /// Displaces the vertices that are new.
+    fn place(&self, refined: &Refined, grown: &mut Grown) {
+        let new = &refined.vertices[grown.mesh.positions.len()..];
+        let placed: Vec<_> = new.par_iter().map(|vertex| self.places.vertex(vertex)).collect();
+        grown.mismatch = placed.iter().fold(grown.mismatch, |most, (_, mismatch)| most.max(*mismatch));
+        grown.mesh.positions.extend(placed.into_iter().map(|(position, _)| position));
+    }
+
+    /// 1 for each triangle that is to be split; states of new ones are found out.
+    fn wanted(&self, refined: &mut Refined, grown: &Grown, share: f64) -> Vec<u32> {
+        let mut states = std::mem::take(&mut refined.states);
+        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(|(state, triangle)| {
+            *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
+        });
+        refined.states = states;
+        refined.states.iter().map(|state| u32::from(*state == BAD)).collect()
+    }
+
+    fn keeps(&self, refined: &Refined, grown: &Grown, triangle: &RefinedTriangle, share: f64) -> bool {
+        let base = &self.places.base.triangles[triangle.base as usize];
+        let corners = triangle.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], base)));
+        let whole = self.tolerance(triangle.gv.map(|gv| grown.mesh.positions[gv as usize]));
+        let allowed = share * whole;
+        let error = bound(self.places, self.asked, triangle.base, corners, allowed);
+        let longest = refined.edges[triangle.ge[longest_side(&refined.edges, triangle)] as usize].length_square;
+        let is_speck = || f64::from(longest).sqrt() < JUMP * whole;
+        error <= allowed || (error == f64::INFINITY && is_speck())
+    }
+}
