@@ -8,6 +8,7 @@ pub mod digest;
 pub mod encode;
 pub mod error;
 pub mod expression;
+pub mod fit;
 pub mod gltf;
 pub mod image;
 pub mod look;

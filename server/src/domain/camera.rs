@@ -105,12 +105,10 @@ impl View {
         in_range("camera.fov", yfov, YFOV_DEGREES, "degrees, vertical")?;
         finite("camera.eye", eye)?;
         finite("camera.look_at", target)?;
-        let eye = DVec3::from_array(eye.map(f64::from));
-        let backward = (eye - DVec3::from_array(target.map(f64::from))).try_normalize().ok_or_else(|| {
+        let [eye, target] = [eye, target].map(|place| DVec3::from_array(place.map(f64::from)));
+        let (backward, up) = axes(eye, target).ok_or_else(|| {
             Error::invalid("camera.look_at", "the camera looks at the place it stands on; move one of the two")
         })?;
-        // Looking straight up or down, the top of the image is -Z or +Z.
-        let up = if backward.y.abs() > 1.0 - 1e-9 { DVec3::Z * -backward.y.signum() } else { DVec3::Y };
         Ok(self.perspective(eye, backward, up, f64::from(yfov).to_radians()))
     }
 
@@ -169,6 +167,20 @@ fn finite(field: &str, point: [f32; 3]) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(field, format!("{point:?} is not a place: give three finite numbers")))
+}
+
+/// View space (x to the right, y up, the view along -z) from world space; `None` where the target is the eye.
+#[must_use]
+pub fn looking_at(eye: DVec3, target: DVec3) -> Option<DMat4> {
+    axes(eye, target).map(|(backward, up)| view_from_world(eye, backward, up))
+}
+
+/// The direction backward, unit length, and a direction up.
+fn axes(eye: DVec3, target: DVec3) -> Option<(DVec3, DVec3)> {
+    let backward = (eye - target).try_normalize()?;
+    // Looking straight up or down, the top of the image is -Z or +Z.
+    let up = if backward.y.abs() > 1.0 - 1e-9 { DVec3::Z * -backward.y.signum() } else { DVec3::Y };
+    Some((backward, up))
 }
 
 /// `backward` is unit length and not parallel to `up`.

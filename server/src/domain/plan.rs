@@ -1,12 +1,20 @@
 //! The pure-data recipe of a job: passes, sizes and bytes, made before any device work.
 
+mod tolerance;
+mod view;
+
 use serde::{Deserialize, Serialize};
 
 use super::{
     Error, Result,
     mesh::Mesh,
-    request::{Geometry, Normals, SeamRule},
+    report::Warning,
+    request::{Geometry, Normals, SeamRule, Tolerance},
+    scene::Scene,
 };
+
+pub use tolerance::{BYTES_PER_TRIANGLE, MOST_TRIANGLES, TolerancePlan};
+pub use view::ViewPlan;
 
 /// Elements of one page of a stream: no binding exceeds 128 MiB for elements up to 32 bytes.
 pub const PAGE_ELEMENTS: u64 = 1 << 22;
@@ -23,15 +31,44 @@ pub const MAX_LEVEL: u32 = 12;
 pub struct SurfacePlan {
     /// Index into `Scene::meshes`.
     pub mesh: usize,
-    pub level: u32,
+    pub tessellation: TessellationPlan,
     pub normals: NormalsPlan,
     pub seams: SeamsPlan,
     pub feather_texels: f32,
-    /// Fine attribute vertices.
+    /// Fine attribute vertices; of a tolerance those of the base mesh, which are the least that the result has.
     pub vertices: u64,
+    /// As `vertices`.
     pub triangles: u64,
-    /// Device memory for the base tables and the fine streams; maps are counted by the job.
+    /// Device memory for the base tables and the fine streams, of a tolerance for the base alone; maps are counted by
+    /// the job.
     pub device_bytes: u64,
+}
+
+/// What makes the fine triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TessellationPlan {
+    /// Each triangle becomes 4^level.
+    Uniform { level: u32 },
+    /// As many as it takes.
+    Tolerance(TolerancePlan),
+}
+
+impl TessellationPlan {
+    /// Level of the lattice that the base tables are made for: 0, the base mesh itself, where a tolerance decides.
+    #[must_use]
+    pub fn lattice_level(&self) -> u32 {
+        match self {
+            Self::Uniform { level } => *level,
+            Self::Tolerance(_) => 0,
+        }
+    }
+
+    /// Whether vertices, triangles and bytes are known before the work is done.
+    #[must_use]
+    pub fn is_counted(&self) -> bool {
+        matches!(self, Self::Uniform { .. })
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,18 +87,15 @@ pub enum SeamsPlan {
 
 impl SurfacePlan {
     /// Plans a uniform subdivision. Fails with `TooLarge` when a stream would not fit its pages.
-    pub fn uniform(index: usize, mesh: &Mesh, geometry: &Geometry) -> Result<Self> {
-        let level = geometry.uniform_level;
+    pub fn uniform(index: usize, mesh: &Mesh, level: u32, geometry: &Geometry) -> Result<Self> {
         if level > MAX_LEVEL {
             return Err(Error::invalid(
                 "geometry.uniform",
                 format!("level {level} is above the limit; allowed are 0 to {MAX_LEVEL}"),
             ));
         }
-        let triangles = (mesh.triangles.len() as u64) << (2 * level);
-        let vertices = mesh.av_gv.len() as u64
-            + mesh.ae_av.len() as u64 * displace_glsl::lattice::edge_points(level)
-            + mesh.triangles.len() as u64 * displace_glsl::lattice::interior_points(level);
+        let plan = Self::of(index, mesh, TessellationPlan::Uniform { level }, geometry);
+        let Self { vertices, triangles, .. } = plan;
         let limit = PAGE_ELEMENTS * MAX_PAGES;
         if triangles > limit || vertices > limit {
             return Err(Error::too_large(
@@ -72,24 +106,63 @@ impl SurfacePlan {
                 ),
             ));
         }
-        let attribute_components: u64 = mesh.attributes.iter().map(|a| a.components as u64).sum();
-        let per_vertex = 16 + 16 + 16 + 12 + 12 + 4 * attribute_components;
-        let base_bytes = mesh.av_gv.len() as u64 * 96 + mesh.ae_av.len() as u64 * 32 + mesh.triangles.len() as u64 * 48;
-        Ok(Self {
+        Ok(plan)
+    }
+
+    /// Plans for what keeps a tolerance, with a warning where less is asked for than f32 positions hold.
+    pub fn within_tolerance(
+        index: usize,
+        scene: &Scene,
+        tolerance: &Tolerance,
+        geometry: &Geometry,
+        max_triangles: u64,
+    ) -> Result<(Self, Option<Warning>)> {
+        let (fitted, warning) = TolerancePlan::new(scene, index, tolerance, max_triangles)?;
+        let mesh = &scene.meshes[index].mesh;
+        Ok((Self::of(index, mesh, TessellationPlan::Tolerance(fitted), geometry), warning))
+    }
+
+    /// With what the lattice of the tessellation makes.
+    fn of(index: usize, mesh: &Mesh, tessellation: TessellationPlan, geometry: &Geometry) -> Self {
+        let level = tessellation.lattice_level();
+        let triangles = (mesh.triangles.len() as u64) << (2 * level);
+        let vertices = mesh.av_gv.len() as u64
+            + mesh.ae_av.len() as u64 * displace_glsl::lattice::edge_points(level)
+            + mesh.triangles.len() as u64 * displace_glsl::lattice::interior_points(level);
+        Self {
             mesh: index,
-            level,
-            normals: match geometry.normals {
-                Normals::Analytic => NormalsPlan::Analytic,
-                Normals::Geometric => NormalsPlan::Geometric,
-            },
-            seams: match geometry.seams {
-                SeamRule::Mean => SeamsPlan::Mean,
-                SeamRule::Dominant => SeamsPlan::Dominant,
-            },
+            tessellation,
+            normals: geometry.normals.into(),
+            seams: geometry.seams.into(),
             feather_texels: geometry.feather_texels,
             vertices,
             triangles,
-            device_bytes: vertices * per_vertex + triangles * 12 + base_bytes + SAMPLES * SAMPLE_BYTES,
-        })
+            device_bytes: device_bytes(mesh, vertices, triangles),
+        }
+    }
+}
+
+fn device_bytes(mesh: &Mesh, vertices: u64, triangles: u64) -> u64 {
+    let attribute_components: u64 = mesh.attributes.iter().map(|a| a.components as u64).sum();
+    let per_vertex = 16 + 16 + 16 + 12 + 12 + 4 * attribute_components;
+    let base_bytes = mesh.av_gv.len() as u64 * 96 + mesh.ae_av.len() as u64 * 32 + mesh.triangles.len() as u64 * 48;
+    vertices * per_vertex + triangles * 12 + base_bytes + SAMPLES * SAMPLE_BYTES
+}
+
+impl From<Normals> for NormalsPlan {
+    fn from(normals: Normals) -> Self {
+        match normals {
+            Normals::Analytic => Self::Analytic,
+            Normals::Geometric => Self::Geometric,
+        }
+    }
+}
+
+impl From<SeamRule> for SeamsPlan {
+    fn from(rule: SeamRule) -> Self {
+        match rule {
+            SeamRule::Mean => Self::Mean,
+            SeamRule::Dominant => Self::Dominant,
+        }
     }
 }

@@ -10,6 +10,9 @@ pub struct Report {
     pub triangles_in: u64,
     pub triangles: u64,
     pub vertices: u64,
+    /// How near the result is to the surface, where a tolerance decided.
+    #[serde(default, flatten, skip_serializing_if = "Option::is_none")]
+    pub fitted: Option<Fitted>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seams: Option<Seams>,
     /// Result triangles that face against their base triangle.
@@ -28,6 +31,36 @@ pub struct Report {
     pub total_ms: f64,
     pub device: String,
     pub cached: bool,
+}
+
+/// Lengths are in `accuracy.unit`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fitted {
+    /// As asked for.
+    pub tolerance: f64,
+    /// What the result keeps: more where the request was clamped or the budget ended refinement.
+    pub achieved_tolerance: f64,
+    pub accuracy: Accuracy,
+    /// Of splitting and collapsing edges, of the mesh that took most.
+    pub rounds: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// No place is farther from the surface.
+    pub bound: f64,
+    pub unit: ToleranceUnit,
+}
+
+/// That of the request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ToleranceUnit {
+    #[serde(rename = "diagonal")]
+    Diagonal,
+    #[serde(rename = "world")]
+    World,
+    #[serde(rename = "px")]
+    Pixels,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -94,14 +127,14 @@ pub struct PassTime {
     pub bytes: u64,
 }
 
-/// What work would take, told without doing it.
+/// What work would take, told without doing it. Where a tolerance decides, only the work tells what it takes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     pub triangles_in: u64,
-    pub triangles: u64,
-    pub vertices: u64,
-    pub device_bytes: u64,
+    pub triangles: Option<u64>,
+    pub vertices: Option<u64>,
+    pub device_bytes: Option<u64>,
     /// Host memory for the outputs.
-    pub output_bytes: u64,
+    pub output_bytes: Option<u64>,
     pub warnings: Vec<Warning>,
 }

@@ -3,7 +3,10 @@
 //! Serialised, they are the canonical form that result keys are made of: defaults are filled in, so equal
 //! requests give equal bytes.
 
+mod geometry;
+
 pub use displace_glsl::methods::Method;
+pub use geometry::{Allowed, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance, ToleranceView};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -78,7 +81,7 @@ impl RenderRequest {
     #[must_use]
     pub fn rays(&self) -> Option<Rays> {
         let shadows = self.look.shadows;
-        let needed = shadows == Shadows::Ray || self.surface.geometry.exact;
+        let needed = shadows == Shadows::Ray || self.surface.geometry.is_exact();
         let needed = needed.then_some(Self::DEFAULT_SAMPLES);
         self.samples.or(needed).map(|samples| Rays { samples, shadows })
     }
@@ -123,34 +126,6 @@ impl MeasureRequest {
 pub struct CompareRequest {
     pub a: Digest,
     pub b: Digest,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Geometry {
-    /// Uniform subdivision: each triangle becomes 4^level. 0 to 12.
-    pub uniform_level: u32,
-    /// Instead of a level: the surface itself.
-    pub exact: bool,
-    pub max_triangles: Option<u64>,
-    pub normals: Normals,
-    pub seams: SeamRule,
-    /// Width of the ramp that reconciles mismatched seams, in texels; 0 is off.
-    pub feather_texels: f32,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
-pub enum Normals {
-    #[default]
-    Analytic,
-    Geometric,
-}
-
-/// How the values of a seam's sides become one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
-pub enum SeamRule {
-    #[default]
-    Mean,
-    Dominant,
 }
 
 #[derive(Clone, Debug, Serialize)]

@@ -1,6 +1,7 @@
 //! A loaded glTF asset: base meshes, instances, materials and cameras, and the document to write back.
 
 use bytes::Bytes;
+use glam::{DMat3, DMat4};
 
 use super::{mesh::Mesh, report::Warning};
 
@@ -38,6 +39,45 @@ pub struct SceneMesh {
 pub struct Instance {
     pub mesh: usize,
     pub world_from_mesh: [f32; 16],
+}
+
+impl Instance {
+    /// Jacobi's method settles quadratically: three or four sweeps do.
+    const SWEEPS: usize = 12;
+
+    /// A mesh that no node places: world space is its own.
+    #[must_use]
+    pub fn as_it_is(mesh: usize) -> Self {
+        Self { mesh, world_from_mesh: glam::Mat4::IDENTITY.to_cols_array() }
+    }
+
+    /// `world_from_mesh` in f64.
+    #[must_use]
+    pub fn world(&self) -> DMat4 {
+        DMat4::from_cols_array(&self.world_from_mesh.map(f64::from))
+    }
+
+    /// Least and most by which it enlarges a distance, world units for a local unit; the least is 0 where it
+    /// flattens. By one-sided Jacobi rotations.
+    #[must_use]
+    pub fn singular_values(&self) -> [f64; 2] {
+        let m = DMat3::from_mat4(self.world());
+        let mut axes = [m.x_axis, m.y_axis, m.z_axis];
+        for (p, q) in [(0, 1), (0, 2), (1, 2)].into_iter().cycle().take(3 * Self::SWEEPS) {
+            let (a, b) = (axes[p], axes[q]);
+            let across = a.dot(b);
+            if across == 0.0 {
+                continue;
+            }
+            let zeta = (b.length_squared() - a.length_squared()) / (2.0 * across);
+            let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
+            let cosine = 1.0 / tangent.hypot(1.0);
+            axes[p] = cosine * (a - tangent * b);
+            axes[q] = cosine * (tangent * a + b);
+        }
+        let lengths = axes.map(|axis| axis.length());
+        [lengths.into_iter().fold(f64::MAX, f64::min), lengths.into_iter().fold(0.0, f64::max)]
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -91,4 +131,40 @@ pub struct Camera {
     pub ymag: f32,
     pub znear: f32,
     pub zfar: Option<f32>,
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DMat4, DQuat, DVec3};
+
+    use super::*;
+
+    fn instance(m: DMat3) -> Instance {
+        let world = DMat4::from_mat3(m) * DMat4::from_translation(DVec3::splat(7.0));
+        Instance { mesh: 0, world_from_mesh: world.as_mat4().to_cols_array() }
+    }
+
+    #[test]
+    fn singular_values_are_those_of_the_scales_between_two_rotations() {
+        let (u, v) = (DQuat::from_rotation_x(0.7), DQuat::from_rotation_z(-1.3) * DQuat::from_rotation_y(0.4));
+        for scales in [[1.0, 1.0, 1.0], [0.5, 2.0, 3.0], [-4.0, 1e-3, 0.2], [2.0, 2.0, 5.0], [0.0, 1.0, 3.0]] {
+            let m = DMat3::from_quat(u) * DMat3::from_diagonal(DVec3::from_array(scales)) * DMat3::from_quat(v);
+            let [least, most] = instance(m).singular_values();
+            let lengths = scales.map(f64::abs);
+            assert!((least - lengths.into_iter().fold(f64::MAX, f64::min)).abs() < 1e-6 * most, "{scales:?}: {least}");
+            assert!((most - lengths.into_iter().fold(0.0, f64::max)).abs() < 1e-6 * most, "{scales:?}: {most}");
+        }
+    }
+
+    #[test]
+    fn a_shear_enlarges_more_than_its_axes() {
+        let [least, most] = instance(DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z)).singular_values();
+        let golden = 0.5 * (1.0 + 5f64.sqrt());
+        assert!((most - golden).abs() < 1e-6 && (least - 1.0 / golden).abs() < 1e-6, "{least} {most}");
+    }
+
+    #[test]
+    fn an_instance_of_no_size_has_no_singular_values() {
+        assert_eq!(instance(DMat3::ZERO).singular_values(), [0.0, 0.0]);
+    }
 }

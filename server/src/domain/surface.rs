@@ -4,7 +4,10 @@ use std::ops::Range;
 
 use displace_glsl::lattice;
 
-use super::mesh::{Mesh, Primitive};
+use super::{
+    fit::Fit,
+    mesh::{Mesh, Primitive},
+};
 
 /// Fine vertices are attribute vertices in a closed-form order: with n = 2^level segments per edge,
 /// first the base avs; then, for each ae, its n − 1 inner vertices from the ae's first av to its second;
@@ -24,6 +27,8 @@ pub struct Surface {
     pub mismatch_max: f32,
     /// Triangles that face against their base triangle.
     pub flipped: u64,
+    /// Where a tolerance decided.
+    pub fit: Option<Fit>,
 }
 
 impl Surface {

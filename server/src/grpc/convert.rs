@@ -6,6 +6,7 @@ mod details;
 mod geometry;
 mod measurement;
 mod request;
+mod tolerance;
 mod update;
 mod view;
 

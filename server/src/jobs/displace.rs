@@ -1,7 +1,7 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, inputs, inputs::Inputs, seams, strain,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, seams, strain,
     work::canonical,
 };
 use crate::{
@@ -42,6 +42,8 @@ impl Work for DisplaceWork {
         let (surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
         inputs::timed(context.progress, "check_surface", &mut passes, || {
+            let Inputs { scene, plans, .. } = &mut inputs;
+            fits::describe(&mut report, scene, plans.each(), &surfaces, &self.request.geometry);
             seams::describe(&mut report, &mut inputs.scene, &surfaces);
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
             Ok(())
@@ -63,7 +65,9 @@ impl Work for DisplaceWork {
 impl DisplaceWork {
     fn report(&self, context: &WorkContext<'_>, inputs: &Inputs) -> Report {
         let device = context.executor.device_name().to_owned();
-        Report { method: self.method().into(), device, ..inputs.counts() }
+        let mut report = Report { method: self.method().into(), device, ..Report::default() };
+        inputs.count(&mut report);
+        report
     }
 }
 

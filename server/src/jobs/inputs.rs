@@ -15,20 +15,19 @@ use crate::{
         detail::{Detail, LayerSource},
         gltf, look, maps,
         mesh::Mesh,
-        plan::SurfacePlan,
         report::{Estimate, PassTime, Report},
         request::{DisplaceRequest, Method},
         scene::Scene,
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, cautions},
+    jobs::{AssetReader, JobLimits, WorkContext, cautions, plans::Plans},
     render::JobContext,
 };
 
 pub(super) struct Inputs {
     pub(super) scene: Scene,
-    plans: Vec<SurfacePlan>,
+    pub(super) plans: Plans,
     /// For each mesh, for each of its primitives.
     pub(super) details: Vec<Vec<Option<Arc<Detail>>>>,
     /// Triangles of the base meshes, each counted once however often it is used.
@@ -55,42 +54,19 @@ impl Inputs {
         job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
         job.cancel.check()?;
-        let plans = plans(&scene, request)?;
+        let plans = Plans::make(&mut scene, &request.geometry, limits)?;
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
-        let inputs = Self { scene, plans, details, triangles_in, passes };
-        inputs.check(limits, request)?;
-        Ok(inputs)
-    }
-
-    fn check(&self, limits: &JobLimits, request: &DisplaceRequest) -> Result<()> {
-        if let Some(max) = request.geometry.max_triangles
-            && self.triangles() > max
-        {
-            return Err(Error::invalid(
-                "geometry.max_triangles",
-                format!(
-                    "level {} makes {} triangles, more than the {max} allowed: lower the level or raise the limit",
-                    request.geometry.uniform_level,
-                    self.triangles()
-                ),
-            ));
-        }
-        if self.device_bytes() > limits.device_bytes {
-            return Err(too_large("device memory", self.device_bytes(), limits.device_bytes));
-        }
-        if self.output_bytes() > limits.host_bytes {
-            return Err(too_large("host memory", self.output_bytes(), limits.host_bytes));
-        }
-        Ok(())
+        Ok(Self { scene, plans, details, triangles_in, passes })
     }
 
     /// Displaces every base mesh, one after the other.
     pub(super) fn displaced(&mut self, context: &WorkContext<'_>) -> Result<(Vec<Surface>, Vec<PassTime>)> {
         let mut passes = std::mem::take(&mut self.passes);
-        let mut surfaces = Vec::with_capacity(self.plans.len());
-        for (plan, details) in self.plans.iter().zip(&self.details) {
-            let mesh = &self.scene.meshes[plan.mesh].mesh;
-            let (surface, times) = context.executor.displace(&context.job(), plan, mesh, details)?;
+        let mut surfaces = Vec::with_capacity(self.scene.meshes.len());
+        for (index, (m, details)) in self.scene.meshes.iter().zip(&self.details).enumerate() {
+            let plan = self.plans.next(index);
+            let (surface, times) = context.executor.displace(&context.job(), plan, &m.mesh, details)?;
+            self.plans.made(index, &surface);
             surfaces.push(surface);
             add_times(&mut passes, times);
         }
@@ -106,54 +82,24 @@ impl Inputs {
         self.scene.meshes.iter().zip(&self.details).flat_map(of_mesh).collect()
     }
 
-    /// Vertices and triangles of all instances, each counted as often as its mesh is used.
-    pub(super) fn instanced(&self) -> (u64, u64) {
-        let plans = self.scene.instances.iter().filter_map(|instance| self.plans.get(instance.mesh));
-        plans.fold((0, 0), |(vertices, triangles), plan| (vertices + plan.vertices, triangles + plan.triangles))
-    }
-
-    fn triangles(&self) -> u64 {
-        self.plans.iter().map(|p| p.triangles).sum()
-    }
-
-    fn vertices(&self) -> u64 {
-        self.plans.iter().map(|p| p.vertices).sum()
-    }
-
+    /// Counts and bytes as far as they are known before the work.
     pub(super) fn estimate(&self) -> Estimate {
+        let known = |figure: u64| self.plans.are_counted().then_some(figure);
         Estimate {
             triangles_in: self.triangles_in,
-            triangles: self.triangles(),
-            vertices: self.vertices(),
-            device_bytes: self.device_bytes(),
-            output_bytes: self.output_bytes(),
+            triangles: known(self.plans.triangles()),
+            vertices: known(self.plans.vertices()),
+            device_bytes: known(self.plans.device_bytes()),
+            output_bytes: known(self.plans.output_bytes(&self.scene)),
             warnings: self.scene.warnings.clone(),
         }
     }
 
-    /// Meshes are worked on one after the other: the largest decides.
-    fn device_bytes(&self) -> u64 {
-        self.plans.iter().map(|p| p.device_bytes).max().unwrap_or(0)
-    }
-
-    /// The streams of all surfaces, which are also the body of the GLB.
-    fn output_bytes(&self) -> u64 {
-        let of_plan = |plan: &SurfacePlan| {
-            let attributes = &self.scene.meshes[plan.mesh].mesh.attributes;
-            let components: u64 = attributes.iter().map(|a| a.components as u64).sum();
-            plan.vertices * (24 + 4 * components) + plan.triangles * 12
-        };
-        self.plans.iter().map(of_plan).sum()
-    }
-
-    /// The part of a report that the plan knows.
-    pub(super) fn counts(&self) -> Report {
-        Report {
-            triangles_in: self.triangles_in,
-            triangles: self.triangles(),
-            vertices: self.vertices(),
-            ..Report::default()
-        }
+    /// What a report says of the surfaces once they are made; of those that a plan counts, before as well.
+    pub(super) fn count(&self, report: &mut Report) {
+        report.triangles_in = self.triangles_in;
+        report.triangles = self.plans.triangles();
+        report.vertices = self.plans.vertices();
     }
 }
 
@@ -191,14 +137,6 @@ pub(super) fn scene(assets: &dyn AssetReader, mesh: &Digest, resources: &[(Strin
         files.insert(uri, assets.read(digest)?);
     }
     gltf::load(&bytes, &|uri| files.get(uri).cloned(), &gltf::Limits::default())
-}
-
-/// The error of a plan that asks for more than one job may take.
-pub(super) fn too_large(what: &str, needed: u64, allowed: u64) -> Error {
-    Error::too_large(
-        "geometry.uniform",
-        format!("the job needs {needed} bytes of {what}; this server gives a job {allowed}: lower the level"),
-    )
 }
 
 fn details(assets: &dyn AssetReader, scene: &Scene, request: &DisplaceRequest) -> Result<maps::Details> {
@@ -279,10 +217,4 @@ fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
             mesh.name, mesh.primitives[primitive].gltf_primitive
         ),
     ))
-}
-
-fn plans(scene: &Scene, request: &DisplaceRequest) -> Result<Vec<SurfacePlan>> {
-    let plan =
-        |(index, m): (usize, &crate::domain::scene::SceneMesh)| SurfacePlan::uniform(index, &m.mesh, &request.geometry);
-    scene.meshes.iter().enumerate().map(plan).collect()
 }

@@ -1,8 +1,8 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
 use super::{
-    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, images, inputs, inputs::Inputs,
-    seams, strain, work::canonical,
+    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, fits, images, inputs,
+    inputs::Inputs, plans, seams, strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -48,8 +48,9 @@ impl Work for RenderWork {
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
         planned(&inputs, context.limits, request)?;
         let device = context.executor.device_name().to_owned();
-        let mut report = Report { method: self.method().into(), device, ..inputs.counts() };
-        let exact = request.surface.geometry.exact;
+        let mut report = Report { method: self.method().into(), device, ..Report::default() };
+        inputs.count(&mut report);
+        let exact = request.surface.geometry.is_exact();
         let take = if exact { Self::take_exactly } else { Self::take };
         let Taken { images, settings, mut passes } = take(self, context, &mut inputs, &mut report)?;
         let encode = || encode::encode_with(&images, request.format, Some(&settings));
@@ -77,11 +78,15 @@ struct Taken {
 }
 
 impl RenderWork {
-    /// Of the triangles that the plan makes.
+    /// Of triangles. Where a plan could not count them, the image is planned again once they are made.
     fn take(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
         let request = &self.request;
         let (surfaces, mut passes) = inputs.displaced(context)?;
+        inputs.count(report);
+        planned(inputs, context.limits, request)?;
         inputs::timed(context.progress, "check_surface", &mut passes, || {
+            let Inputs { scene, plans, .. } = inputs;
+            fits::describe(report, scene, plans.each(), &surfaces, &request.surface.geometry);
             seams::describe(report, &mut inputs.scene, &surfaces);
             strain::describe(report, &mut inputs.scene, &surfaces);
             Ok(())
@@ -127,15 +132,14 @@ impl RenderWork {
     }
 }
 
-/// The image's plan as far as it is known before the work, its base colour maps excepted; refuses what can be
-/// refused before it.
+/// The image's plan as far as it is known, its base colour maps excepted: before the work, of what the surfaces have
+/// at least. Refuses what can be refused by it.
 fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
     camera::check(&request.camera, &inputs.scene)?;
-    let geometry = inputs.estimate();
-    let (instance_vertices, instance_triangles) = inputs.instanced();
+    let (instance_vertices, instance_triangles) = inputs.plans.instanced(&inputs.scene);
     let contents = ImageContents {
-        vertices: geometry.vertices,
-        triangles: geometry.triangles,
+        vertices: inputs.plans.vertices(),
+        triangles: inputs.plans.triangles(),
         instance_vertices,
         instance_triangles,
         aovs: request.aovs.clone(),
@@ -143,7 +147,8 @@ fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Resu
     };
     let plan = ImagePlan::new(request.width, request.height, &contents)?;
     if plan.device_bytes > limits.device_bytes {
-        return Err(inputs::too_large("device memory", plan.device_bytes, limits.device_bytes));
+        let geometry = &request.surface.geometry;
+        return Err(plans::too_large(geometry, "device memory", plan.device_bytes, limits.device_bytes));
     }
     Ok(plan)
 }
@@ -154,7 +159,7 @@ fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
         return Ok(());
     }
     let (field, what) = match request.look.shadows {
-        _ if request.surface.geometry.exact => ("surface.geometry.exact", "the surface itself".to_owned()),
+        _ if request.surface.geometry.is_exact() => ("surface.geometry.exact", "the surface itself".to_owned()),
         Shadows::Ray => ("lighting.shadows", "shadows by rays".to_owned()),
         Shadows::None => ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default())),
     };
@@ -177,8 +182,8 @@ pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &R
     let geometry = inputs.estimate();
     let plan = planned(&inputs, limits, request)?;
     Ok(Estimate {
-        device_bytes: geometry.device_bytes.max(plan.device_bytes),
-        output_bytes: geometry.output_bytes + image_bytes(request),
+        device_bytes: geometry.device_bytes.map(|bytes| bytes.max(plan.device_bytes)),
+        output_bytes: geometry.output_bytes.map(|bytes| bytes + image_bytes(request)),
         ..geometry
     })
 }

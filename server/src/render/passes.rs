@@ -29,13 +29,38 @@ use std::sync::Arc;
 use displace_glsl::{layout::geometry::counter, tables::Tables};
 
 use crate::{
-    domain::{Error, Result, detail::Detail, mesh::Mesh, plan::NormalsPlan, plan::SurfacePlan, surface::Surface},
+    domain::{
+        Error, Result,
+        detail::Detail,
+        mesh::Mesh,
+        plan::{NormalsPlan, SurfacePlan, TessellationPlan},
+        surface::Surface,
+    },
     vulkan::{Device, PassTime, Recorder},
 };
 use streams::{BaseStreams, FineStreams};
 
 /// Displaces one mesh on a device.
 pub fn displace(
+    device: &Arc<Device>,
+    recorder: Recorder<'_>,
+    plan: &SurfacePlan,
+    mesh: &Mesh,
+    details: &[Option<Arc<Detail>>],
+) -> Result<(Surface, Vec<PassTime>)> {
+    match &plan.tessellation {
+        TessellationPlan::Uniform { .. } => displace_uniformly(device, recorder, plan, mesh, details),
+        // The place of the tessellator.
+        TessellationPlan::Tolerance(_) => Err(no_tessellator()),
+    }
+}
+
+/// The refusal of both executors.
+pub fn no_tessellator() -> Error {
+    Error::unsupported("geometry.tolerance", "this version refines uniformly alone: give uniform_level")
+}
+
+fn displace_uniformly(
     device: &Arc<Device>,
     mut recorder: Recorder<'_>,
     plan: &SurfacePlan,
@@ -71,13 +96,14 @@ fn surface(
     let mut values = attributes.iter().map(attributes::Pieces::read).collect::<Result<Vec<_>>>()?;
     skin::blend(tables, mesh, plan.vertices, &mut values);
     Ok(Surface {
-        level: plan.level,
+        level: plan.tessellation.lattice_level(),
         positions: fine.positions.read()?,
         normals: fine.normals.read()?,
         attributes: values,
         triangles: fine.triangles.read()?,
         mismatch_max: f32::from_bits(counters[counter::MISMATCH]),
         flipped: u64::from(counters[counter::FLIPPED]),
+        fit: None,
     })
 }
 

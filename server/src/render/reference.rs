@@ -30,7 +30,7 @@ use crate::domain::{
     detail::Detail,
     image::{ImagePlan, ImageSet, RenderScene},
     mesh::Mesh,
-    plan::{NormalsPlan, SurfacePlan},
+    plan::{NormalsPlan, SurfacePlan, TessellationPlan},
     report::PassTime,
     surface::Surface,
 };
@@ -57,7 +57,11 @@ impl Executor for ReferenceExecutor {
     ) -> Result<(Surface, Vec<PassTime>)> {
         let tables = passes::tables::build(plan, mesh, detail_of_primitive)?;
         let mut stages = Stages { job, times: Vec::new() };
-        let surface = Displacer::new(&tables, mesh, plan).run(&mut stages)?;
+        let surface = match &plan.tessellation {
+            TessellationPlan::Uniform { .. } => Displacer::new(&tables, mesh, plan).run(&mut stages)?,
+            // The place of the tessellator.
+            TessellationPlan::Tolerance(_) => return Err(passes::no_tessellator()),
+        };
         Ok((surface, stages.times))
     }
 
@@ -113,13 +117,14 @@ impl<'a> Displacer<'a> {
         skin::blend(self.tables, self.mesh, self.plan.vertices, &mut attributes);
         passes::check_finite(self.mesh, self.broken(&triangles))?;
         Ok(Surface {
-            level: self.plan.level,
+            level: self.tables.lattice.level,
             flipped: self.flipped(&triangles),
             positions: self.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
             normals,
             attributes,
             triangles,
             mismatch_max: self.mismatch as f32,
+            fit: None,
         })
     }
 
@@ -294,7 +299,7 @@ impl<'a> Displacer<'a> {
     }
 
     fn flipped(&self, fine: &[[u32; 3]]) -> u64 {
-        let base = |t: usize| (t >> (2 * self.plan.level)) as u32;
+        let base = |t: usize| (t >> (2 * self.tables.lattice.level)) as u32;
         let back = |(t, ids): &(usize, &[u32; 3])| triangles::facing(self.tables, base(*t), self.corners(**ids)) < 0.0;
         fine.par_iter().enumerate().filter(back).count() as u64
     }

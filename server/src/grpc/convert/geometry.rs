@@ -1,23 +1,23 @@
 //! How the result is made of triangles.
 
-use displace_proto::v1::{self, geometry::Refinement};
+use displace_proto::v1::{self, geometry};
 
-use super::{join, known, within};
+use super::{join, known, tolerance, within};
 use crate::domain::{
     Error, Result,
     plan::MAX_LEVEL,
-    request::{Geometry, Normals, SeamRule},
+    request::{Geometry, Normals, Refinement, SeamRule},
 };
 
 const DEFAULT_FEATHER_TEXELS: f32 = 3.0;
 const MAX_FEATHER_TEXELS: f32 = 4096.0;
 
 pub(super) fn parse(path: &str, geometry: Option<v1::Geometry>) -> Result<Geometry> {
-    let geometry = geometry.ok_or_else(|| Error::invalid(path, "is required; give uniform_level, or exact"))?;
+    let geometry =
+        geometry.ok_or_else(|| Error::invalid(path, "is required; give tolerance, uniform_level, or exact"))?;
     let feather = geometry.feather_texels.unwrap_or(DEFAULT_FEATHER_TEXELS);
     Ok(Geometry {
-        uniform_level: level(&join(path, "uniform_level"), geometry.refinement.as_ref())?,
-        exact: matches!(geometry.refinement, Some(Refinement::Exact(true))),
+        refinement: refinement(path, geometry.refinement.as_ref())?,
         max_triangles: max_triangles(&join(path, "max_triangles"), geometry.max_triangles)?,
         normals: match known(&join(path, "normals"), geometry.normals)? {
             v1::Normals::Unspecified | v1::Normals::Analytic => Normals::Analytic,
@@ -31,18 +31,26 @@ pub(super) fn parse(path: &str, geometry: Option<v1::Geometry>) -> Result<Geomet
     })
 }
 
-fn level(field: &str, refinement: Option<&Refinement>) -> Result<u32> {
+fn refinement(path: &str, refinement: Option<&geometry::Refinement>) -> Result<Refinement> {
+    use geometry::Refinement as Asked;
     match refinement {
-        Some(Refinement::UniformLevel(level)) if *level <= MAX_LEVEL => Ok(*level),
-        Some(Refinement::UniformLevel(level)) => {
-            Err(Error::invalid(field, format!("{level} is out of range; allowed are 0 to {MAX_LEVEL}")))
+        Some(Asked::UniformLevel(level)) => Ok(Refinement::Uniform(self::level(&join(path, "uniform_level"), *level)?)),
+        Some(Asked::Exact(true)) => Ok(Refinement::Exact),
+        Some(Asked::Exact(false)) => {
+            Err(Error::invalid(join(path, "exact"), "is false, which asks for nothing; give a tolerance or a level"))
         }
-        Some(Refinement::Exact(true)) => Ok(0),
-        Some(Refinement::Exact(false)) => {
-            Err(Error::invalid(field, "exact is false, which asks for nothing; give a level"))
+        Some(Asked::Tolerance(tolerance)) => {
+            Ok(Refinement::Tolerance(tolerance::parse(&join(path, "tolerance"), tolerance)?))
         }
-        None => Err(Error::invalid(field, format!("is required; allowed are 0 to {MAX_LEVEL}"))),
+        None => Err(Error::invalid(join(path, "refinement"), "is required; give tolerance, uniform_level, or exact")),
     }
+}
+
+fn level(field: &str, level: u32) -> Result<u32> {
+    if level <= MAX_LEVEL {
+        return Ok(level);
+    }
+    Err(Error::invalid(field, format!("{level} is out of range; allowed are 0 to {MAX_LEVEL}")))
 }
 
 fn max_triangles(field: &str, most: Option<u64>) -> Result<Option<u64>> {

@@ -41,8 +41,9 @@ pub(crate) fn mesh_source(path: &str, mesh: Option<v1::MeshSource>) -> Result<(D
 
 pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
     let parsed = surface(path, request)?;
-    if parsed.geometry.exact {
-        let message = "the surface itself has no triangles to write: give uniform_level; exact is for Render";
+    if parsed.geometry.is_exact() {
+        let message =
+            "the surface itself has no triangles to write: give a tolerance or uniform_level; exact is for Render";
         return Err(Error::invalid(join(path, "geometry.exact"), message));
     }
     Ok(parsed)

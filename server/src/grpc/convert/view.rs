@@ -41,18 +41,22 @@ fn camera(path: &str, camera: Option<v1::view::Camera>) -> Result<CameraChoice> 
     Ok(match camera {
         None => CameraChoice::Default,
         Some(Camera::Named(name)) => CameraChoice::Named(name),
-        Some(Camera::LookAt(look_at)) => self::look_at(&join(path, "look_at"), &look_at)?,
+        Some(Camera::LookAt(look_at)) => {
+            let (eye, target, yfov_degrees) = self::look_at(&join(path, "look_at"), &look_at)?;
+            CameraChoice::LookAt { eye, target, yfov_degrees }
+        }
         Some(Camera::Orbit(orbit)) => self::orbit(&join(path, "orbit"), &orbit)?,
     })
 }
 
-fn look_at(path: &str, camera: &v1::LookAt) -> Result<CameraChoice> {
+/// Eye, target, and vertical field of view in degrees.
+pub(super) fn look_at(path: &str, camera: &v1::LookAt) -> Result<([f32; 3], [f32; 3], f32)> {
     let eye = vector(&join(path, "eye"), &camera.eye)?;
     let target = vector(&join(path, "target"), &camera.target)?;
     if eye == target {
         return Err(Error::invalid(join(path, "target"), "is where the camera is; choose another place"));
     }
-    Ok(CameraChoice::LookAt { eye, target, yfov_degrees: yfov(path, camera.yfov_degrees)? })
+    Ok((eye, target, yfov(path, camera.yfov_degrees)?))
 }
 
 fn orbit(path: &str, camera: &v1::Orbit) -> Result<CameraChoice> {

@@ -28,7 +28,11 @@ pub fn build(plan: &SurfacePlan, mesh: &Mesh, details: &[Option<Arc<Detail>>]) -
     }
     let numbering = Numbering::new(details);
     let mut tables = Tables {
-        lattice: Lattice { level: plan.level, corners: mesh.av_gv.len() as u32, edges: mesh.ae_av.len() as u32 },
+        lattice: Lattice {
+            level: plan.tessellation.lattice_level(),
+            corners: mesh.av_gv.len() as u32,
+            edges: mesh.ae_av.len() as u32,
+        },
         av_normal: mesh.av_normal.clone(),
         av_tangent: tangents(mesh, &numbering)?,
         rule: match plan.seams {
