@@ -10,7 +10,6 @@ use displace_glsl::{
         bound::Asked,
         collapse::{Facet, Judge, Simplified, Stars},
         place::Places,
-        refine::Base,
     },
     tables::Tables,
 };
@@ -61,7 +60,7 @@ pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, m
             Attempt::TooMany { most_likely } => factor *= most_likely.max(1.1),
         }
     }
-    Work::new(job, plan, &places, mesh, f64::INFINITY).of_base()
+    Work::new(job, plan, &places, mesh, 1.0).of_base()
 }
 
 /// What a tolerance leads to.
@@ -138,17 +137,20 @@ impl<'w> Work<'w> {
         Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: |corners| self.tolerance(corners) }
     }
 
-    /// With the errors of all triangles, measured anew.
-    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit) -> Tessellated {
+    /// The largest known error, as a share of the tolerance, and whether all are known.
+    fn worst(&self, mesh: &Simplified) -> (f64, bool) {
         let stars = Stars::default();
-        let judge = self.judge(&mesh, &stars);
-        let factor = if self.factor.is_finite() { self.factor } else { 1.0 };
+        let judge = self.judge(mesh, &stars);
         let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
         let known = |error: f64| if error.is_finite() { error } else { 0.0 };
-        let (worst, all_known) =
-            errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1));
-        let bound_local = worst * self.plan.tolerance_local * factor + self.rounding;
-        let budget_reached = bound_local > self.plan.tolerance_local || self.factor > 1.0;
+        errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1))
+    }
+
+    /// With the errors of all triangles, measured anew.
+    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit) -> Tessellated {
+        let (worst, all_known) = self.worst(&mesh);
+        let bound_local = worst * self.plan.tolerance_local * self.factor + self.rounding;
+        let budget_reached = bound_local > self.plan.tolerance_local;
         // Without ramps a seam's sides stay apart from the one place both get.
         let open = if self.places.tables.corrections.is_empty() { mismatch_max } else { 0.0 };
         let fit = Fit {

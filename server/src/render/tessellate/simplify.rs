@@ -38,8 +38,10 @@ impl Work<'_> {
             self.job.cancel.check()?;
             self.job.progress.pass("collapse", u64::from(*rounds), u64::from(*rounds) + 1);
             let stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
-            let judge = self.judge(mesh, &stars);
-            let found: Vec<_> = dirty.par_iter().map(|vertex| judge.candidate(*vertex)).collect();
+            let found: Vec<_> = {
+                let judge = self.judge(mesh, &stars);
+                dirty.par_iter().map(|vertex| judge.candidate(*vertex)).collect()
+            };
             dirty.iter().zip(found).for_each(|(vertex, found)| candidates[*vertex as usize] = found);
             let selected = mesh.selected(&stars, candidates, *rounds);
             if selected.is_empty() {
@@ -58,10 +60,11 @@ impl Work<'_> {
         for _ in 0..FLIP_ROUNDS {
             self.job.cancel.check()?;
             let stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
-            let judge = self.judge(mesh, &stars);
-            let errors: Vec<f64> = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, 1.0)).collect();
-            let flips: Vec<_> =
-                (0..mesh.triangles.len() as u32).into_par_iter().map(|t| judge.flip(t, &errors)).collect();
+            let flips: Vec<_> = {
+                let judge = self.judge(mesh, &stars);
+                let errors: Vec<f64> = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, 1.0)).collect();
+                (0..mesh.triangles.len() as u32).into_par_iter().map(|t| judge.flip(t, &errors)).collect()
+            };
             let touched = mesh.flip(&flips);
             if touched.is_empty() {
                 break;
