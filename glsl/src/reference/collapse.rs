@@ -147,6 +147,9 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
             }
             moved.push(after);
         }
+        if !self.covers(vertex, &moved, most) {
+            return None;
+        }
         let mut worst = 0.0;
         for facet in moved {
             let error = self.error_of(&facet, most);
@@ -156,6 +159,23 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
             worst = error.max(worst);
         }
         Some(worst)
+    }
+
+    /// Whether the place the vertex leaves stays within `most` of the tolerance: most that fail, fail there.
+    fn covers(&self, vertex: u32, moved: &[Facet], most: f64) -> bool {
+        moved.iter().all(|facet| {
+            let base = &self.base().triangles[facet.base as usize];
+            let [a, b, c] = self.units(facet, base);
+            let left = barycentrics(&self.mesh.vertices[vertex as usize], base);
+            let shares = [twice_area([left, b, c]), twice_area([a, left, c]), twice_area([a, b, left])];
+            if shares.iter().any(|share| *share < 0) {
+                return true;
+            }
+            let whole: i64 = shares.iter().sum();
+            let corners = self.corners(facet);
+            let flat: DVec3 = (0..3).map(|k| corners[k] * (shares[k] as f64 / whole as f64)).sum();
+            flat.distance(self.mesh.positions[vertex as usize]) <= most * (self.tolerance)(corners)
+        })
     }
 
     /// As a share of the tolerance; anything above `most` where it is above.
@@ -176,9 +196,7 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
     }
 
     pub(super) fn is_upright(&self, facet: &Facet) -> bool {
-        let corners = self.units(facet, &self.base().triangles[facet.base as usize]);
-        let [a, b, c] = corners.map(|b| [i64::from(b[1]), i64::from(b[2])]);
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
+        twice_area(self.units(facet, &self.base().triangles[facet.base as usize])) > 0
     }
 
     /// A new triangle faces as its base does, or nearly as the old one did.
@@ -190,6 +208,12 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
         });
         new.dot(facing) > 0.0 || new.dot(old) > LEAST_TURN * new.length() * old.length()
     }
+}
+
+/// In square units of the base triangle; above 0 where it runs the same way.
+fn twice_area(corners: [[u32; 3]; 3]) -> i64 {
+    let [a, b, c] = corners.map(|b| [i64::from(b[1]), i64::from(b[2])]);
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Base triangles around: as many as have a triangle in the star.

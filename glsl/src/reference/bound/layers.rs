@@ -70,7 +70,9 @@ impl Patch<'_> {
         let tables = self.places.tables;
         let normal = self.blend(self.av.map(|av| vector(&tables.av_normal[av as usize])));
         let direction = self.blend(self.av.map(|av| vector(&tables.av_direction_v[av as usize])));
-        Frame { direction: direction.over(normal, MIN_BLENDED_NORMAL), normal }
+        let flat = self.av.iter().all(|av| tables.av_normal[*av as usize] == tables.av_normal[self.av[0] as usize]);
+        // The normals of a flat triangle are unit, and so are their blends.
+        Frame { direction: if flat { direction } else { direction.over(normal, MIN_BLENDED_NORMAL) }, normal }
     }
 
     fn layer(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
