@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
-pub(crate) use geometry::{GeometryArgs, NormalsArg, SeamsArg};
+pub(crate) use geometry::{ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use look::LookArgs;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
@@ -21,7 +21,7 @@ const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan 
 const EXAMPLES: &str = "\
 Examples:
   displace demo                                                     see what it does
-  displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-3 -o out.glb
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.png
   displace describe wall.glb                                        what a mesh holds
   displace measure wall.glb --height bricks.png --scale 0.05 out.glb how far a result is from the truth
@@ -116,7 +116,9 @@ pub(crate) enum MethodArg {
 
 const APPLY_EXAMPLES: &str = "\
 Examples:
-  displace apply wall.glb --height bricks.png --scale 0.05 --uniform 6 -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 -o out.glb          within 1/1000 of the diagonal
+  displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-4 --quality high -o out.glb
+  displace apply wall.glb --height bricks.png --tolerance-px 0.5 --view '0,1,3;0,0,0;40;1920x1080' -o out.glb
   displace apply ball.obj --expr '0.02*sin(20*pi*u)' --uniform 5 -o out.glb
   displace apply rock.gltf --direction dir.png --magnitude mag.png --scale 0.2 --uniform 6 -o out.glb
   displace apply house.glb --material Roof --height tiles.png --scale 0.1 \\
@@ -189,7 +191,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) geometry: GeometryArgs,
     /// Show the surface itself, within 1/32 of a pixel, instead of triangles for it; needs --device reference
-    #[arg(long, conflicts_with = "uniform", help_heading = "Geometry")]
+    #[arg(long, conflicts_with_all = ["refinement", "error_at", "quality"], help_heading = "Geometry")]
     pub(crate) exact: bool,
     #[command(flatten)]
     pub(crate) look: LookArgs,

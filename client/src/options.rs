@@ -23,21 +23,27 @@ pub(crate) fn method(asked: Option<MethodArg>, groups: &[MaterialGroup], when_pl
     }
 }
 
-/// Until a tolerance can choose the triangles, a method that moves vertices needs `--uniform`.
-pub(crate) fn require_level(geometry: &GeometryArgs, method: MethodArg, command: &str) -> Result<()> {
-    let displaces = command == "apply" || method != MethodArg::Flat;
-    if geometry.uniform.is_some() || !displaces {
+/// A render whose method moves vertices is told how finely.
+pub(crate) fn require_refinement(geometry: &GeometryArgs, method: MethodArg) -> Result<()> {
+    if geometry.is_refined() {
         return Ok(());
     }
-    let message = format!(
-        "--uniform LEVEL is missing: {command} with a method that moves vertices splits every triangle into 4^LEVEL, LEVEL 0 to 12; add for example --uniform 5"
-    );
-    Err(Error::usage("--uniform", message))
+    if let Some(flag) = geometry.tolerance_flag() {
+        let message =
+            format!("{flag} says how a tolerance is kept, and there is none; add for example --tolerance 1e-3");
+        return Err(Error::usage(flag, message));
+    }
+    if method == MethodArg::Flat {
+        return Ok(());
+    }
+    let message = "--tolerance SHARE or --uniform LEVEL is missing: render with a method that moves vertices splits triangles, as few as stay within SHARE of the diagonal or each into 4^LEVEL; add for example --tolerance 1e-3 or --uniform 5";
+    Err(Error::usage("--tolerance", message))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::QualityArg;
 
     fn group(source: Source) -> MaterialGroup {
         let layer = Layer { source, modifiers: Modifiers::default() };
@@ -55,12 +61,14 @@ mod tests {
     }
 
     #[test]
-    fn only_a_flat_render_goes_without_a_level() {
+    fn only_a_flat_render_goes_without_refinement() {
         let none = GeometryArgs::default();
-        assert!(require_level(&none, MethodArg::Flat, "render").is_ok());
-        for (method, command) in [(MethodArg::Displacement, "render"), (MethodArg::Flat, "apply")] {
-            let refused = require_level(&none, method, command);
-            assert_eq!(refused.err().and_then(|e| e.field).as_deref(), Some("--uniform"));
-        }
+        assert!(require_refinement(&none, MethodArg::Flat).is_ok());
+        let refused = require_refinement(&none, MethodArg::Displacement);
+        assert_eq!(refused.err().and_then(|e| e.field).as_deref(), Some("--tolerance"));
+        assert!(require_refinement(&none.clone().or_tolerance(), MethodArg::Displacement).is_ok());
+        let idle = GeometryArgs { quality: Some(QualityArg::High), ..none };
+        let refused = require_refinement(&idle, MethodArg::Flat);
+        assert_eq!(refused.err().and_then(|e| e.field).as_deref(), Some("--quality"));
     }
 }

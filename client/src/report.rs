@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use displace_proto::v1::{EstimateResponse, Report, Warning};
+use displace_proto::v1::{EstimateResponse, Report, ToleranceUnit, Warning};
 use serde_json::{Value, json};
 
 use crate::output::{bytes, count, duration_ms};
@@ -29,12 +29,16 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
         "triangles": report.triangles,
         "vertices": report.vertices,
     });
+    put(&mut value, "tolerance", report.tolerance);
+    put(&mut value, "achieved_tolerance", report.achieved_tolerance);
+    if let Some(accuracy) = &report.accuracy {
+        value["accuracy"] = json!({ "bound": accuracy.bound, "unit": unit(accuracy.unit()).0 });
+    }
+    put(&mut value, "rounds", report.rounds);
     if let Some(seams) = &report.seams {
         value["seams"] = json!({ "gap_max": seams.gap_max, "mismatch_max": seams.mismatch_max });
     }
-    if let Some(flipped) = report.flipped {
-        value["flipped"] = flipped.into();
-    }
+    put(&mut value, "flipped", report.flipped);
     if let Some(stretch) = &report.stretch {
         value["stretch"] = json!({ "p99": stretch.p99, "max": stretch.max });
     }
@@ -49,6 +53,23 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     value["device"] = report.device.as_str().into();
     value["cached"] = report.cached.into();
     value
+}
+
+/// A field that is not known is absent.
+fn put(value: &mut Value, key: &str, known: Option<impl Into<Value>>) {
+    if let Some(known) = known {
+        value[key] = known.into();
+    }
+}
+
+/// In JSON, and in words.
+fn unit(unit: ToleranceUnit) -> (&'static str, &'static str) {
+    match unit {
+        ToleranceUnit::Unspecified => ("", ""),
+        ToleranceUnit::Diagonal => ("diagonal", "of the diagonal"),
+        ToleranceUnit::World => ("world", "world units"),
+        ToleranceUnit::Pixels => ("px", "pixels"),
+    }
 }
 
 pub(crate) fn warnings_json(warnings: &[Warning]) -> Value {
@@ -68,6 +89,7 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
         count(report.triangles_in),
         count(report.vertices)
     );
+    text += &tolerance_words(report);
     if let Some(seams) = &report.seams {
         let _ = writeln!(
             text,
@@ -89,6 +111,21 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
     text + &warnings_words(&report.warnings)
 }
 
+fn tolerance_words(report: &Report) -> String {
+    let (Some(asked), Some(kept), Some(accuracy)) = (report.tolerance, report.achieved_tolerance, &report.accuracy)
+    else {
+        return String::new();
+    };
+    let kept = if kept > asked {
+        format!("tolerance {asked:.3e} not kept, but {kept:.3e}")
+    } else {
+        format!("tolerance {asked:.3e} kept")
+    };
+    let (_, unit) = unit(accuracy.unit());
+    let rounds = report.rounds.unwrap_or_default();
+    format!("{kept}: nothing farther than {:.3e} {unit}, after {rounds} rounds\n", accuracy.bound)
+}
+
 pub(crate) fn warnings_words(warnings: &[Warning]) -> String {
     warnings.iter().fold(String::new(), |mut text, warning| {
         let _ = writeln!(text, "warning ({}): {}", warning.code, warning.message);
@@ -97,36 +134,40 @@ pub(crate) fn warnings_words(warnings: &[Warning]) -> String {
 }
 
 pub(crate) fn estimate_json(estimate: &EstimateResponse) -> Value {
-    let mut value = json!({
-        "triangles_in": estimate.triangles_in,
-        "triangles": estimate.triangles,
-        "vertices": estimate.vertices,
-        "device_bytes": estimate.device_bytes,
-        "output_bytes": estimate.output_bytes,
-    });
-    if let Some(seconds) = estimate.seconds {
-        value["seconds"] = seconds.into();
-    }
+    let mut value = json!({ "triangles_in": estimate.triangles_in });
+    put(&mut value, "triangles", estimate.triangles);
+    put(&mut value, "vertices", estimate.vertices);
+    put(&mut value, "device_bytes", estimate.device_bytes);
+    put(&mut value, "output_bytes", estimate.output_bytes);
+    put(&mut value, "seconds", estimate.seconds);
     value["cached"] = estimate.cached.into();
     value["warnings"] = warnings_json(&estimate.warnings);
     value
 }
 
 pub(crate) fn estimate_words(estimate: &EstimateResponse) -> String {
-    let mut text = format!(
-        "{} triangles from {}, {} vertices\ndevice memory {}, output about {}\n",
-        count(estimate.triangles),
-        count(estimate.triangles_in),
-        count(estimate.vertices),
-        bytes(estimate.device_bytes),
-        bytes(estimate.output_bytes)
-    );
+    let mut text = sizes_words(estimate);
     let _ = match (estimate.cached, estimate.seconds) {
         (true, _) => writeln!(text, "the result is stored already"),
         (false, Some(seconds)) => writeln!(text, "about {}", duration_ms(seconds * 1000.0)),
         (false, None) => writeln!(text, "time not known before a first job of this kind"),
     };
     text + &warnings_words(&estimate.warnings)
+}
+
+fn sizes_words(estimate: &EstimateResponse) -> String {
+    let triangles_in = count(estimate.triangles_in);
+    let sizes = (estimate.triangles, estimate.vertices, estimate.device_bytes, estimate.output_bytes);
+    let (Some(triangles), Some(vertices), Some(device_bytes), Some(output_bytes)) = sizes else {
+        return format!("{triangles_in} triangles or more: how many a tolerance takes shows when they are made\n");
+    };
+    format!(
+        "{} triangles from {triangles_in}, {} vertices\ndevice memory {}, output about {}\n",
+        count(triangles),
+        count(vertices),
+        bytes(device_bytes),
+        bytes(output_bytes)
+    )
 }
 
 #[cfg(test)]
@@ -152,5 +193,50 @@ mod tests {
                 "cached"
             ]
         );
+    }
+
+    fn kept(tolerance: f64, achieved: f64, unit: ToleranceUnit) -> Report {
+        Report {
+            tolerance: Some(tolerance),
+            achieved_tolerance: Some(achieved),
+            accuracy: Some(displace_proto::v1::Accuracy { bound: 0.25, unit: unit.into() }),
+            rounds: Some(17),
+            ..Report::default()
+        }
+    }
+
+    #[test]
+    fn a_tolerance_is_told_in_its_unit() {
+        let report = kept(0.5, 0.5, ToleranceUnit::Pixels);
+        let value = json(&report, &[]);
+        assert_eq!(value["accuracy"], json!({ "bound": 0.25, "unit": "px" }));
+        assert_eq!(
+            (&value["tolerance"], &value["achieved_tolerance"], &value["rounds"]),
+            (&json!(0.5), &json!(0.5), &json!(17))
+        );
+        let text = words(&report, &[]);
+        assert!(
+            text.contains("tolerance 5.000e-1 kept: nothing farther than 2.500e-1 pixels, after 17 rounds"),
+            "{text}"
+        );
+        let text = words(&kept(0.125, 0.25, ToleranceUnit::World), &[]);
+        assert!(
+            text.contains("tolerance 1.250e-1 not kept, but 2.500e-1: nothing farther than 2.500e-1 world"),
+            "{text}"
+        );
+        assert_eq!(json(&kept(1.0, 1.0, ToleranceUnit::Diagonal), &[])["accuracy"]["unit"], "diagonal");
+    }
+
+    #[test]
+    fn an_estimate_is_silent_of_what_only_the_work_tells() {
+        let unknown = EstimateResponse { triangles_in: 12, ..EstimateResponse::default() };
+        let value = estimate_json(&unknown);
+        assert_eq!(value.as_object().unwrap().keys().collect::<Vec<_>>(), ["triangles_in", "cached", "warnings"]);
+        assert!(estimate_words(&unknown).starts_with("12 triangles or more:"));
+        let sizes = (Some(48), Some(30), Some(1 << 20), Some(1 << 10));
+        let (triangles, vertices, device_bytes, output_bytes) = sizes;
+        let known = EstimateResponse { triangles, vertices, device_bytes, output_bytes, ..unknown };
+        assert_eq!(estimate_json(&known)["device_bytes"], 1 << 20);
+        assert!(estimate_words(&known).starts_with("48 triangles from 12, 30 vertices"));
     }
 }

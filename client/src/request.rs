@@ -1,19 +1,23 @@
 //! Requests from options: hashes the files that are named and fills in the messages of the API.
 
+mod geometry;
+
 use std::path::Path;
 
 use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, GeometryArgs, LookArgs, MethodArg, NormalsArg, PresetArg, SamplingArg,
-        SeamsArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        AovArg, CameraArgs, ChannelArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg, WrapArg,
+        values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
     options::{Layer, MaterialGroup, Modifiers, Source},
     transfer::Blob,
 };
+
+pub(crate) use geometry::{geometry, seams};
 
 /// Blobs to upload, gathered while a request is made.
 #[derive(Debug, Default)]
@@ -161,28 +165,6 @@ pub(crate) fn method(method: MethodArg) -> v1::Method {
         MethodArg::Flat => v1::Method::Flat,
         MethodArg::Displacement => v1::Method::Displacement,
         MethodArg::Vector => v1::Method::Vector,
-    }
-}
-
-/// Without a level, which only a flat render may lack, the mesh stays as it is: level 0.
-pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
-    v1::Geometry {
-        refinement: Some(v1::geometry::Refinement::UniformLevel(args.uniform.unwrap_or(0))),
-        max_triangles: args.max_triangles,
-        normals: match args.normals {
-            NormalsArg::Analytic => v1::Normals::Analytic,
-            NormalsArg::Geometric => v1::Normals::Geometric,
-        }
-        .into(),
-        seams: seams(args.seams).into(),
-        feather_texels: Some(args.feather),
-    }
-}
-
-pub(crate) fn seams(seams: SeamsArg) -> v1::SeamRule {
-    match seams {
-        SeamsArg::Mean => v1::SeamRule::Mean,
-        SeamsArg::Dominant => v1::SeamRule::Dominant,
     }
 }
 

@@ -23,7 +23,7 @@ use displace_server::{
     render::{Executor, JobContext, reference::ReferenceExecutor, vulkan::VulkanExecutor},
     vulkan::{Device, DeviceOptions},
 };
-use displace_tests::{maps, meshes::TestMesh};
+use displace_tests::{maps, meshes::TestMesh, surfaces};
 
 /// One validated device for all tests of this module.
 fn vulkan() -> &'static VulkanExecutor {
@@ -59,18 +59,11 @@ fn welded_with_tangents(mesh: &TestMesh) -> Mesh {
 }
 
 fn geometry(level: u32) -> Geometry {
-    Geometry {
-        uniform_level: level,
-        exact: false,
-        max_triangles: None,
-        normals: Normals::Analytic,
-        seams: SeamRule::Mean,
-        feather_texels: 3.0,
-    }
+    surfaces::uniform(level)
 }
 
 fn planned(mesh: &Mesh, geometry: &Geometry) -> SurfacePlan {
-    SurfacePlan::uniform(0, mesh, geometry).expect("fits")
+    surfaces::plan(mesh, geometry).expect("fits")
 }
 
 fn run(executor: &dyn Executor, mesh: &Mesh, geometry: &Geometry, detail: Option<&Arc<Detail>>) -> Surface {

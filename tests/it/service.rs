@@ -209,7 +209,7 @@ impl Recipes for TestRecipes {
     }
 
     fn estimate(&self, _: &dyn AssetReader, _: &JobLimits, _: &EstimateRequest) -> Result<Estimate> {
-        Ok(Estimate { triangles: 12, ..Estimate::default() })
+        Ok(Estimate { triangles: Some(12), ..Estimate::default() })
     }
 }
 

@@ -19,7 +19,7 @@ use displace_tests::{
     maps,
     meshes::{self, TestMesh},
     server,
-    surfaces::{constant_height, detail, displace, noise_height, uniform},
+    surfaces::{constant_height, detail, displace, noise_height, plan, uniform},
 };
 
 const LEVEL: u32 = 3;
@@ -32,7 +32,8 @@ fn check(executor: &dyn Executor, mesh: &TestMesh, detail: &Arc<Detail>, geometr
     assert_eq!(invariants::of_surface(&base, &surface), [], "{what}");
     assert_eq!(invariants::largest_gap(&base, &surface), 0.0, "{what}");
     // Against the test mesh itself, whatever welding made of it.
-    let expected = boundary_edges(&mesh.positions, &mesh.triangles) << geometry.uniform_level;
+    let level = plan(&base, geometry).expect("a test's plan fits").tessellation.lattice_level();
+    let expected = boundary_edges(&mesh.positions, &mesh.triangles) << level;
     assert_eq!(boundary_edges(&surface.positions, &surface.triangles), expected, "{what}");
     let euler = invariants::euler_characteristic(&mesh.positions, &mesh.triangles);
     assert_eq!(invariants::euler_characteristic(&surface.positions, &surface.triangles), euler, "{what}");

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use displace_server::{
     domain::{
+        Result,
         cancel::{Cancel, NoProgress},
         detail::{Detail, Layer, LayerSource, Map, Sampling, Wrap},
         expression::Program,
         mesh::Mesh,
         plan::SurfacePlan,
-        request::{Geometry, Normals, SeamRule},
+        request::{Geometry, Normals, Refinement, SeamRule},
         surface::Surface,
         weld::{PrimitiveInput, VertexAttribute, weld, with_tangents},
     },
@@ -22,8 +23,7 @@ use crate::{maps, meshes::TestMesh};
 #[must_use]
 pub fn uniform(level: u32) -> Geometry {
     Geometry {
-        uniform_level: level,
-        exact: false,
+        refinement: Refinement::Uniform(level),
         max_triangles: None,
         normals: Normals::Analytic,
         seams: SeamRule::Mean,
@@ -101,13 +101,25 @@ pub fn expression(source: &str) -> LayerSource {
     LayerSource::Expression(Arc::new(Program::parse(source).expect("a test's expression parses")))
 }
 
+/// The plan of a uniform subdivision.
+///
+/// # Errors
+/// When it does not fit.
+///
+/// # Panics
+/// When `geometry` is of another kind.
+pub fn plan(mesh: &Mesh, geometry: &Geometry) -> Result<SurfacePlan> {
+    let Refinement::Uniform(level) = geometry.refinement else { panic!("{geometry:?} is not uniform") };
+    SurfacePlan::uniform(0, mesh, level, geometry)
+}
+
 /// Displaces every primitive of `mesh` by the same detail.
 ///
 /// # Panics
 /// When the plan or the execution fails.
 #[must_use]
 pub fn displace(executor: &dyn Executor, mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry) -> Surface {
-    let plan = SurfacePlan::uniform(0, mesh, geometry).expect("a test's plan fits");
+    let plan = plan(mesh, geometry).expect("a test's plan fits");
     let details = vec![Some(Arc::clone(detail)); mesh.primitives.len()];
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
     let (surface, _) = executor.displace(&job, &plan, mesh, &details).expect("a test's surface can be made");

@@ -33,6 +33,30 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A share of the diagonal that a result can stay within.
+pub(crate) fn tolerance_share(text: &str) -> Result<f64, String> {
+    match f64::from_str(text) {
+        Ok(value) if (1e-6..=1.0).contains(&value) => Ok(value),
+        _ => Err("expected a share of the diagonal, 1e-6 to 1, such as 1e-3".to_owned()),
+    }
+}
+
+/// A length in world units.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    match f64::from_str(text) {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a length in world units above 0, such as 0.001".to_owned()),
+    }
+}
+
+/// A distance in pixels.
+pub(crate) fn pixels(text: &str) -> Result<f64, String> {
+    match f64::from_str(text) {
+        Ok(value) if (0.01..=1000.0).contains(&value) => Ok(value),
+        _ => Err("expected pixels, 0.01 to 1000, such as 0.5".to_owned()),
+    }
+}
+
 /// A vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
     match finite(text)? {
@@ -99,6 +123,31 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
     Ok(Size { width: side(width)?, height: side(height)? })
 }
 
+/// A perspective image by place and size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct View {
+    pub(crate) eye: [f32; 3],
+    pub(crate) look_at: [f32; 3],
+    pub(crate) yfov_degrees: f32,
+    pub(crate) size: Size,
+}
+
+/// `EYE;LOOK;FOV;WxH`.
+pub(crate) fn view(text: &str) -> Result<View, String> {
+    let parts: Vec<&str> = text.split(';').map(str::trim).collect();
+    let [eye, look_at, fov, size] = parts[..] else {
+        return Err("expected EYE;LOOK;FOV;WxH such as '0,1,3;0,0,0;40;1280x720'".to_owned());
+    };
+    let within = |part: &'static str| move |why: String| format!("{part}: {why}");
+    let view = View {
+        eye: point(eye).map_err(within("EYE"))?,
+        look_at: point(look_at).map_err(within("LOOK"))?,
+        yfov_degrees: field_of_view(fov).map_err(within("FOV"))?,
+        size: self::size(size).map_err(within("WxH"))?,
+    };
+    if view.eye == view.look_at { Err("LOOK is where EYE is; choose another place".to_owned()) } else { Ok(view) }
+}
+
 /// Source of each component of a vector map: three of r, g, b, each once; upper case negates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Swizzle(pub(crate) [(u8, bool); 3]);
@@ -137,6 +186,37 @@ mod tests {
         for bad in ["1280", "0x5", "5x0", "-1x5", "99999x1", "x"] {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_view_is_an_eye_a_target_an_angle_and_a_size() {
+        let size = Size { width: 64, height: 48 };
+        let expected = View { eye: [0.0, 1.0, -3.0], look_at: [0.0; 3], yfov_degrees: 40.0, size };
+        assert_eq!(view("0,1,-3;0,0,0;40;64x48"), Ok(expected));
+        assert_eq!(view("0,1,-3; 0,0,0; 40; 64x48"), Ok(expected));
+        for (bad, part) in [
+            ("0,1,3;0,0,0;40", "EYE;LOOK;FOV;WxH"),
+            ("0,1;0,0,0;40;64x48", "EYE: expected three"),
+            ("0,1,3;0,0;40;64x48", "LOOK: expected three"),
+            ("0,1,3;0,0,0;200;64x48", "FOV: allowed are 1 to 170"),
+            ("0,1,3;0,0,0;40;64", "WxH: expected WIDTHxHEIGHT"),
+            ("1,1,1;1,1,1;40;64x48", "LOOK is where EYE is"),
+        ] {
+            assert!(view(bad).is_err_and(|why| why.contains(part)), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_is_in_the_range_of_its_unit() {
+        assert_eq!((tolerance_share("1e-6"), tolerance_share("1")), (Ok(1e-6), Ok(1.0)));
+        assert_eq!((length("1e-9"), pixels("0.01"), pixels("1000")), (Ok(1e-9), Ok(0.01), Ok(1000.0)));
+        for bad in ["0", "-1", "9e-7", "nan", "x"] {
+            assert!(tolerance_share(bad).is_err() && pixels(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "inf", "nan", "x"] {
+            assert!(length(bad).is_err(), "{bad}");
+        }
+        assert!(tolerance_share("1.1").is_err() && pixels("1001").is_err());
     }
 
     #[test]

@@ -50,8 +50,8 @@ pub(super) async fn perform(
 fn surface(args: &ApplyArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
     let method = options::method(args.method, &groups, MethodArg::Displacement);
-    options::require_level(&args.geometry, method, "apply")?;
-    Ok(Surface { mesh: args.mesh.clone(), groups, geometry: args.geometry.clone(), look: args.look.clone(), method })
+    let geometry = args.geometry.clone().or_tolerance();
+    Ok(Surface { mesh: args.mesh.clone(), groups, geometry, look: args.look.clone(), method })
 }
 
 /// Estimate reads the assets, so they are uploaded; nothing is computed.

@@ -58,11 +58,11 @@ pub(super) async fn perform(
 
 fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
-    // A level asks for a finer surface even where the details are those of the file.
-    let plain = if args.geometry.uniform.is_some() { MethodArg::Displacement } else { MethodArg::Flat };
+    // Who says how fine wants the surface even where the details are those of the file.
+    let plain = if args.geometry.is_refined() { MethodArg::Displacement } else { MethodArg::Flat };
     let method = options::method(args.method, &groups, plain);
     if !args.exact {
-        options::require_level(&args.geometry, method, "render")?;
+        options::require_refinement(&args.geometry, method)?;
     }
     Ok(Surface { mesh: args.mesh.clone(), groups, geometry: args.geometry.clone(), look: args.look.clone(), method })
 }

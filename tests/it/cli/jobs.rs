@@ -84,6 +84,24 @@ fn a_dry_run_says_sizes_and_writes_nothing() {
 }
 
 #[test]
+fn a_dry_run_of_a_tolerance_says_only_what_is_known() {
+    let value = report(&["apply", &torus(), "--expr", "u", "--tolerance-world", "1e-12", "--dry-run"]);
+    assert_eq!(keys(&value), ["triangles_in", "cached", "warnings"]);
+    let clamped = |w: &serde_json::Value| w["code"] == "tolerance_clamped";
+    assert!(value["warnings"].as_array().unwrap().iter().any(clamped), "{value}");
+    // A thousandth of the diagonal is what `apply` does unless told otherwise.
+    let value = report(&["apply", &torus(), "--expr", "u", "--dry-run"]);
+    assert_eq!(value["triangles_in"], 3072);
+}
+
+#[test]
+fn a_base_mesh_of_more_than_max_triangles_is_refused() {
+    let run = remote(&["apply", &torus(), "--expr", "u", "--max-triangles", "3071", "--dry-run"]);
+    assert_eq!(run.code, Some(2), "{run:?}");
+    assert!(run.stderr.contains("3072 triangles before any is split, more than the 3071"), "{}", run.stderr);
+}
+
+#[test]
 fn a_plan_above_max_triangles_is_refused() {
     let folder = Folder::new();
     let output = folder.path("out.glb");

@@ -38,11 +38,38 @@ fn a_refusal_names_flag_value_range_and_fix() {
 }
 
 #[test]
-fn moving_vertices_needs_a_level() {
-    refused("apply MESH -o o.glb --expr u", "--uniform", &["--uniform LEVEL is missing", "0 to 12"]);
-    refused("apply MESH -o o.glb", "--uniform", &["--uniform 5"]);
-    refused("render MESH -o o.png --expr u", "--uniform", &["--uniform LEVEL is missing"]);
-    refused("render MESH -o o.png --method displacement", "--uniform", &[]);
+fn a_render_that_moves_vertices_is_told_how_finely() {
+    let missing = ["--tolerance SHARE or --uniform LEVEL is missing", "--tolerance 1e-3", "--uniform 5"];
+    refused("render MESH -o o.png --expr u", "--tolerance", &missing);
+    refused("render MESH -o o.png --method displacement", "--tolerance", &[]);
+    refused("render MESH -o o.png --quality high", "--quality", &["there is none"]);
+}
+
+#[test]
+fn a_tolerance_out_of_range_is_refused_with_what_is_allowed() {
+    refused("apply MESH -o o.glb --tolerance 1e-7", "--tolerance", &["1e-7", "1e-6 to 1"]);
+    refused("apply MESH -o o.glb --tolerance -1", "--tolerance", &["-1", "1e-6 to 1"]);
+    refused("apply MESH -o o.glb --tolerance-world 0", "--tolerance-world", &["above 0"]);
+    let view = "--view 0,1,3;0,0,0;40;64x48";
+    refused(&format!("apply MESH -o o.glb {view} --tolerance-px 0"), "--tolerance-px", &["0.01 to 1000"]);
+    refused("apply MESH -o o.glb --tolerance-px 1 --view 0,1,3;0,0,0;40", "--view", &["EYE;LOOK;FOV;WxH"]);
+    refused("apply MESH -o o.glb --tolerance 1e-3 --quality best", "--quality", &["normal", "high"]);
+    refused("apply MESH -o o.glb --tolerance 1e-3 --error-at vertices", "--error-at", &["surface", "texels"]);
+}
+
+#[test]
+fn one_thing_alone_says_how_fine_the_result_is() {
+    let conflict = |flags: &str, field: &str, other: &str| {
+        refused(&format!("apply MESH -o o {flags}"), field, &["cannot be used with", other]);
+    };
+    conflict("--uniform 1 --tolerance 1e-3", "--uniform", "--tolerance <SHARE>");
+    conflict("--tolerance-world 1 --tolerance 1e-3", "--tolerance-world", "--tolerance <SHARE>");
+    conflict("--tolerance-px 1 --view 0,1,3;0,0,0;40;64x48 --uniform 1", "--tolerance-px", "--uniform");
+    conflict("--uniform 1 --quality high", "--quality", "--uniform");
+    conflict("--uniform 1 --error-at texels", "--error-at", "--uniform");
+    refused("render MESH -o o.png --exact --tolerance 1e-3", "--exact", &["cannot be used with", "--tolerance"]);
+    refused("apply MESH -o o.glb --tolerance-px 1", "--view", &["--view"]);
+    refused("apply MESH -o o.glb --view 0,1,3;0,0,0;40;64x48", "--tolerance-px", &["--tolerance-px"]);
 }
 
 #[test]
@@ -66,9 +93,7 @@ fn files_that_are_not_there_are_named() {
 
 #[test]
 fn flags_of_later_versions_do_not_exist() {
-    for flag in
-        ["--tolerance", "--tolerance-px", "--base", "--lods", "--normal", "--steps", "--supersample", "--flip-green"]
-    {
+    for flag in ["--base", "--lods", "--normal", "--steps", "--supersample", "--flip-green"] {
         let run = displace(&["apply", "m.glb", "-o", "o.glb", flag, "1"]);
         assert_eq!(run.code, Some(2), "{flag}");
         assert!(run.stderr.contains("unexpected argument"), "{flag}: {}", run.stderr);
@@ -88,14 +113,18 @@ fn help_and_version_go_to_standard_output() {
     }
     let version = displace(&["--version"]).stdout;
     assert_eq!(version.trim(), format!("displace {}", displace_server::BUILD_ID));
-    assert!(displace(&["apply", "--help"]).stdout.contains("Examples:"));
+    let apply = displace(&["apply", "--help"]).stdout;
+    for part in ["Examples:", "--tolerance <SHARE>", "--tolerance-world", "--tolerance-px", "EYE;LOOK;FOV;WxH", "1e-3"]
+    {
+        assert!(apply.contains(part), "{part} is not in {apply}");
+    }
 }
 
 #[test]
 fn completions_know_the_flags() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let run = displace(&["completions", shell]).expect_success();
-        assert!(run.stdout.contains("uniform"), "{shell}");
+        assert!(run.stdout.contains("uniform") && run.stdout.contains("tolerance-px"), "{shell}");
     }
 }
 

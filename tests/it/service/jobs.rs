@@ -200,6 +200,35 @@ async fn what_is_out_of_range_is_named_by_its_path() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn every_part_of_a_tolerance_is_part_of_the_key() {
+    use v1::{ErrorAt, Quality, Tolerance, tolerance::Allowed};
+    let harness = Harness::start().await;
+    let request = harness.request("ok").await;
+    let look_at = v1::LookAt { eye: vec![0.0, 0.0, 3.0], target: vec![0.0; 3], yfov_degrees: None };
+    let view = |width| v1::ToleranceView { look_at: Some(look_at.clone()), width, height: 48 };
+    let pixels = |width| Allowed::Pixels(v1::PixelTolerance { tolerance_px: 1.0, views: vec![view(width)] });
+    let tolerance = |allowed| Tolerance { allowed: Some(allowed), ..Tolerance::default() };
+    let one = tolerance(Allowed::Diagonal(1e-3));
+    let tolerances = [
+        one.clone(),
+        tolerance(Allowed::Diagonal(2e-3)),
+        tolerance(Allowed::World(1e-3)),
+        tolerance(pixels(64)),
+        tolerance(pixels(65)),
+        Tolerance { error_at: ErrorAt::Texels.into(), ..one.clone() },
+        Tolerance { quality: Quality::High.into(), ..one.clone() },
+    ];
+    // What is left out is what it stands for.
+    let spelled = Tolerance { error_at: ErrorAt::Surface.into(), quality: Quality::Normal.into(), ..one };
+    for (runs, tolerance) in (1..).zip(tolerances.into_iter()).chain([(7, spelled)]) {
+        let mut request = request.clone();
+        request.geometry.as_mut().unwrap().refinement = Some(v1::geometry::Refinement::Tolerance(tolerance.clone()));
+        super::result(&super::updates(&mut harness.jobs(), request).await);
+        assert_eq!(harness.runs(), runs, "{tolerance:?}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn tenants_share_neither_results_nor_work() {
     let harness = Harness::start().await;
     harness.displace("ok").await;
@@ -219,7 +248,7 @@ async fn describe_and_estimate_answer_without_a_job() {
     let estimate = |request| v1::EstimateRequest { request: Some(v1::estimate_request::Request::Displace(request)) };
     let request = harness.request("ok").await;
     let before = harness.jobs().estimate(estimate(request.clone())).await.unwrap().into_inner();
-    assert_eq!((before.triangles, before.cached, before.seconds), (12, false, None));
+    assert_eq!((before.triangles, before.cached, before.seconds), (Some(12), false, None));
     harness.displace("ok").await;
     let after = harness.jobs().estimate(estimate(request)).await.unwrap().into_inner();
     assert!(after.cached && after.seconds.is_some());

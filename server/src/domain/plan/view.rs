@@ -22,8 +22,8 @@ pub struct ViewPlan {
     /// The root, because a shift along the ray moves what is not on the axis: the projection (x, y) / depth turns a
     /// unit shift at tangents (s, t) from the axis into up to sqrt(1 + s^2 + t^2) / depth.
     pub tolerance_at_unit_depth: f64,
-    /// Right, left, top and bottom side, and the near plane: n . p + d >= 0 inside, |n| = 1, local units. A plane
-    /// that a flattened instance lies along is left out.
+    /// Right, left, top and bottom side, and the plane through the eye: n . p + d >= 0 inside, |n| = 1, local units.
+    /// A plane that a flattened instance lies along is left out.
     pub planes_local: Vec<[f64; 4]>,
     /// The eye. Where the instance flattens it has no place, and `least_scale` is 0.
     pub eye_local: [f64; 3],
@@ -48,7 +48,7 @@ impl ViewPlan {
         let upright = (0.5 * f64::from(view.yfov_degrees).to_radians()).tan();
         let across = upright * f64::from(view.width) / f64::from(view.height);
         let pixel = 2.0 * upright / f64::from(view.height);
-        let sides = sides(across, upright, near_world).map(|plane| rows_from_view * plane);
+        let sides = sides(across, upright).map(|plane| rows_from_view * plane);
         Ok(Self {
             depth_from_local: (rows_from_view * DVec4::new(0.0, 0.0, -1.0, 0.0)).to_array(),
             near_world,
@@ -90,13 +90,14 @@ impl ViewPlan {
 }
 
 /// Of the view's pyramid, inward, view space; `across` and `upright` are the tangents of the half angles.
-fn sides(across: f64, upright: f64, near: f64) -> [DVec4; 5] {
+fn sides(across: f64, upright: f64) -> [DVec4; 5] {
     [
         DVec4::new(-1.0, 0.0, -across, 0.0),
         DVec4::new(1.0, 0.0, -across, 0.0),
         DVec4::new(0.0, -1.0, -upright, 0.0),
         DVec4::new(0.0, 1.0, -upright, 0.0),
-        DVec4::new(0.0, 0.0, -1.0, -near),
+        // Nothing that is ahead is left out for being too near.
+        DVec4::new(0.0, 0.0, -1.0, 0.0),
     ]
 }
 

@@ -228,7 +228,11 @@ fn pixels_too_small_for_positions_are_told_where_the_mesh_lies() {
 
 #[test]
 fn a_plan_survives_being_written_and_read() {
-    let (plan, _) = planned(&scene(vec![scaled(1.0, 2.0, 3.0)]), pixels(1.0));
-    let text = serde_json::to_string(&plan).unwrap();
-    assert_eq!(serde_json::from_str::<TolerancePlan>(&text).unwrap(), plan);
+    for allowed in [Allowed::World(0.25), pixels(1.0)] {
+        let (plan, _) = planned(&scene(vec![scaled(1.0, 2.0, 3.0)]), allowed);
+        let text = serde_json::to_string(&plan).unwrap();
+        let read: TolerancePlan = serde_json::from_str(&text).unwrap();
+        assert_eq!(read.views.len(), plan.views.len());
+        assert!(near(read.tolerance_at(DVec3::ONE, 0.5), plan.tolerance_at(DVec3::ONE, 0.5)), "{text}");
+    }
 }
