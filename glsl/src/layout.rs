@@ -36,6 +36,7 @@ mirrors! {
     }
 }
 
+pub mod bound;
 pub mod geometry;
 pub mod lists;
 pub mod raster;

@@ -14,6 +14,7 @@ mod passes;
 mod raster;
 mod refine;
 mod service;
+mod tessellate;
 mod tidy;
 mod vulkan;
 mod warnings;

@@ -1,6 +1,7 @@
 //! The fewest triangles within a tolerance: refinement until every triangle keeps the bound, then collapses and flips
 //! that keep it. By the f64 twins, on all cores.
 
+pub mod device;
 mod refine;
 mod simplify;
 
@@ -67,7 +68,9 @@ pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, m
 enum Attempt {
     Done(Tessellated),
     /// More triangles than the budget: loosen the tolerance by this factor.
-    TooMany { most_likely: f64 },
+    TooMany {
+        most_likely: f64,
+    },
 }
 
 /// One attempt at the tolerance of the plan times `factor`.
@@ -82,13 +85,7 @@ struct Work<'w> {
 }
 
 impl<'w> Work<'w> {
-    fn new(
-        job: &'w JobContext<'w>,
-        plan: &'w TolerancePlan,
-        places: &'w Places<'w>,
-        mesh: &Mesh,
-        factor: f64,
-    ) -> Self {
+    fn new(job: &'w JobContext<'w>, plan: &'w TolerancePlan, places: &'w Places<'w>, mesh: &Mesh, factor: f64) -> Self {
         let reach = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
         let asked = Asked { at_texels: plan.error_at == ErrorAt::Texels };
         Self { job, plan, places, asked, factor, rounding: ROUNDING * f64::from(reach) }

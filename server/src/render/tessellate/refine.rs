@@ -74,9 +74,11 @@ impl Work<'_> {
     /// 1 for each triangle that is to be split; states of new ones are found out.
     fn wanted(&self, refined: &mut Refined, grown: &Grown, share: f64) -> Vec<u32> {
         let mut states = std::mem::take(&mut refined.states);
-        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(|(state, triangle)| {
-            *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
-        });
+        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(
+            |(state, triangle)| {
+                *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
+            },
+        );
         refined.states = states;
         refined.states.iter().map(|state| u32::from(*state == BAD)).collect()
     }
