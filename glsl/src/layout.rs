@@ -41,3 +41,4 @@ pub mod geometry;
 pub mod lists;
 pub mod raster;
 pub mod refine;
+pub mod simplify;
