@@ -26,10 +26,13 @@ pub mod triangles;
 
 use std::sync::Arc;
 
-use displace_glsl::{layout::geometry::counter, tables::Tables};
+use displace_glsl::layout::geometry::counter;
 
 use crate::{
-    domain::{Error, Result, detail::Detail, mesh::Mesh, plan::NormalsPlan, plan::SurfacePlan, surface::Surface},
+    domain::{
+        Error, Result, detail::Detail, mesh::Mesh, plan::NormalsPlan, plan::SurfacePlan, surface::Layout,
+        surface::Surface,
+    },
     vulkan::{Device, PassTime, Recorder},
 };
 use streams::{BaseStreams, FineStreams};
@@ -56,22 +59,17 @@ pub fn displace(
     triangles::record(&mut recorder, &tables, &base, &fine)?;
     let attributes = attributes::record(device, &mut recorder, plan, &tables, mesh, &base)?;
     let times = recorder.finish()?;
-    Ok((surface(plan, &tables, mesh, &fine, &attributes)?, times))
+    Ok((surface(plan, mesh, &fine, &attributes)?, times))
 }
 
-fn surface(
-    plan: &SurfacePlan,
-    tables: &Tables,
-    mesh: &Mesh,
-    fine: &FineStreams,
-    attributes: &[attributes::Pieces],
-) -> Result<Surface> {
+fn surface(plan: &SurfacePlan, mesh: &Mesh, fine: &FineStreams, attributes: &[attributes::Values]) -> Result<Surface> {
     let counters: Vec<u32> = fine.counters.read()?;
     check_finite(mesh, u64::from(counters[counter::NOT_FINITE]))?;
-    let mut values = attributes.iter().map(attributes::Pieces::read).collect::<Result<Vec<_>>>()?;
-    skin::blend(tables, mesh, plan.vertices, &mut values);
+    let mut values = attributes.iter().map(attributes::Values::read).collect::<Result<Vec<_>>>()?;
+    let layout = Layout::Uniform { level: plan.level };
+    skin::blend(&layout, mesh, &mut values);
     Ok(Surface {
-        level: plan.level,
+        layout,
         positions: fine.positions.read()?,
         normals: fine.normals.read()?,
         attributes: values,

@@ -32,7 +32,7 @@ use crate::domain::{
     mesh::Mesh,
     plan::{NormalsPlan, SurfacePlan},
     report::PassTime,
-    surface::Surface,
+    surface::{Layout, Surface},
 };
 
 /// The device called `reference`.
@@ -110,10 +110,11 @@ impl<'a> Displacer<'a> {
         let normals = stages.run("normals", || self.normals())?;
         let triangles = stages.run("triangles", || self.triangles())?;
         let mut attributes = stages.run("attributes", || self.attributes())?;
-        skin::blend(self.tables, self.mesh, self.plan.vertices, &mut attributes);
+        let layout = Layout::Uniform { level: self.plan.level };
+        skin::blend(&layout, self.mesh, &mut attributes);
         passes::check_finite(self.mesh, self.broken(&triangles))?;
         Ok(Surface {
-            level: self.plan.level,
+            layout,
             flipped: self.flipped(&triangles),
             positions: self.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
             normals,
