@@ -9,6 +9,8 @@
 //! | normals_analytic, normals_geometric | `normals.rs` | normals |
 //! | triangles | `triangles.rs` | fine triangles, flipped and broken ones counted |
 //! | attributes | `attributes.rs` | everything else that is interpolated |
+//!
+//! `pieces.rs` ends the work on a mesh that was tessellated elsewhere.
 
 pub mod attributes;
 pub mod contributions;
@@ -16,6 +18,7 @@ pub mod displace;
 pub mod jets;
 pub mod layers;
 pub mod normals;
+pub mod pieces;
 pub mod reconcile;
 pub mod seams;
 pub mod skin;

@@ -1,6 +1,8 @@
 //! The executor in f64 on the CPU: the twins of the passes, composed. It needs no device and is the
 //! oracle the device is measured against.
 
+pub mod pieces;
+
 use std::{sync::Arc, time::Instant};
 
 use displace_glsl::{
@@ -177,8 +179,12 @@ impl<'a> Displacer<'a> {
 
     /// The whole displacement of base triangle t at lattice point ij, and the sample there.
     fn jet(&self, t: u32, ij: [u32; 2]) -> Option<(Sample, Jet)> {
-        let n = f64::from(self.tables.segments());
-        let [b1, b2] = ij.map(|x| f64::from(x) / n);
+        let [b1, b2] = ij.map(|x| f64::from(x) / f64::from(self.tables.segments()));
+        self.jet_at(t, b1, b2)
+    }
+
+    /// The same where the second and the third corner have weights b1 and b2.
+    fn jet_at(&self, t: u32, b1: f64, b2: f64) -> Option<(Sample, Jet)> {
         let at =
             |side, rank| samples::vertex_sample(self.tables, &self.sampling(block::INTERIORS, side, rank), t, b1, b2);
         let own = at(OWN, 0)?;
@@ -334,7 +340,6 @@ pub fn places(tables: &Tables, which: u32, index: u32) -> Vec<(u32, [u32; 2])> {
         let (i, j) = displace_glsl::lattice::interior_point(tables.lattice.level, u64::from(index % inside));
         return vec![(index / inside, [i as u32, j as u32])];
     }
-    let range = tables.contribution_first[list as usize]..tables.contribution_first[list as usize + 1];
-    let items = &tables.contributions[range.start as usize..range.end as usize];
-    items.iter().map(|&item| (item / 3, samples::place_in_triangle(tables, item, along))).collect()
+    let items = tables.contributions_of(list).iter();
+    items.map(|&item| (item / 3, samples::place_in_triangle(tables, item, along, tables.segments()))).collect()
 }
