@@ -55,9 +55,9 @@ impl Broken {
     }
 }
 
-/// All checks of a surface displaced from `mesh`: finite streams, indices in range, a sound layout, triangles that tile the base,
-/// attributes of the base, one position for each place, and the base's boundary, manifoldness, winding and Euler
-/// characteristic; no T-junction where the base has none.
+/// All checks of a surface displaced from `mesh`: finite streams, indices in range, lists of a sound layout, triangles
+/// that tile the base, attributes of the base, one position for each place, and the base's boundary, manifoldness,
+/// winding and Euler characteristic; no T-junction where the base has none.
 #[must_use]
 pub fn of_surface(mesh: &Mesh, surface: &Surface) -> Vec<Broken> {
     let vertices = surface.positions.len();

@@ -23,8 +23,8 @@ pub struct Arrangement {
 
 impl Arrangement {
     /// Sorts a conforming refinement of `mesh`: no two vertices in one place, and every base gv among them. Inner
-    /// vertices that no triangle uses are left out. Fails with `TooLarge` where there are more fine vertices or triangles
-    /// than fit, and with `Internal` where a triangle is not of the base triangle it names.
+    /// vertices that no triangle uses are left out. Fails with `TooLarge` where there are more fine vertices or
+    /// triangles than fit, and with `Internal` where a triangle is not of the base triangle it names.
     pub fn of(mesh: &Mesh, vertices: &[RefinedVertex], triangles: &[RefinedTriangle]) -> Result<Self> {
         let sorted = Sorted::of(mesh, vertices, &used(vertices.len(), triangles)?);
         let pieces = sorted.pieces(mesh, triangles)?;

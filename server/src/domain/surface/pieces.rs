@@ -5,8 +5,9 @@ use displace_glsl::layout::refine::UNIT;
 use super::Place;
 use crate::domain::mesh::{Csr, Mesh};
 
-/// Inner vertices of edges and triangles in rising order, so that a primitive's are contiguous. Every list of firsts has
-/// one entry more than there are owners: owner i has entries `first[i]..first[i + 1]`. Aes of one ge have equal lists.
+/// Inner vertices of edges and triangles in rising order, so that a primitive's are contiguous. Every list of firsts
+/// has one entry more than there are owners: owner i has entries `first[i]..first[i + 1]`. Aes of one ge have equal
+/// lists.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pieces {
     /// Inner vertices of each ae, from its first av to its second.

@@ -98,22 +98,21 @@ impl Lots<'_> {
         base: &BaseStreams,
         fine: &FineStreams,
     ) -> Result<()> {
-        // Where seams meet, every sample has ramps: those vertices are kept apart.
         let all = (0..self.layout.vertices(self.mesh) as u32).into_par_iter();
+        // A corrected sample is evaluated once for each side of its seams, so the others are kept apart.
         let (corrected, plain): (Vec<u32>, Vec<u32>) =
             all.partition(|vertex| is_corrected(self.tables, self.layout.place(self.mesh, *vertex as usize)));
-        for (vertices, corrected) in [(plain, false), (corrected, true)] {
-            let lots = self.cut(&vertices);
-            let most = lots.iter().map(|(_, samples)| *samples).max().unwrap_or(0);
-            let mut chunk = SampleStreams::new(device, most)?;
-            for (lot, _) in lots {
-                let listed = self.listed(lot);
-                chunk.listed = ListedStreams::new(device, &listed)?;
-                let part = self.part(&listed, corrected);
-                let jets = Jets { tables: self.tables, base, av_correction: &fine.av_correction, chunk: &chunk };
-                jets.record(recorder, &part.domain)?;
-                part.normals(recorder, self.tables, base, fine, &chunk)?;
-            }
+        let of_kind = |vertices, corrected| self.cut(vertices).into_iter().map(move |lot| (lot, corrected));
+        let lots: Vec<_> = of_kind(&plain, false).chain(of_kind(&corrected, true)).collect();
+        let most = lots.iter().map(|((_, samples), _)| *samples).max().unwrap_or(0);
+        let mut chunk = SampleStreams::new(device, most)?;
+        for ((vertices, _), corrected) in lots {
+            let listed = self.listed(vertices);
+            chunk.listed = ListedStreams::new(device, &listed)?;
+            let part = self.part(&listed, corrected);
+            let jets = Jets { tables: self.tables, base, av_correction: &fine.av_correction, chunk: &chunk };
+            jets.record(recorder, &part.domain)?;
+            part.normals(recorder, self.tables, base, fine, &chunk)?;
         }
         Ok(())
     }

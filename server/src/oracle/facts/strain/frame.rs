@@ -26,8 +26,8 @@ impl Frame {
         (inverse[0] + inverse[1] + inverse[2]).is_finite().then_some(Self { inverse, normal })
     }
 
-    /// The square of the stretch, and whether it is flipped. Fine triangles have the corners (i, j), (i + 1, j), (i, j + 1) when
-    /// upright, else (i + 1, j), (i + 1, j + 1), (i, j + 1).
+    /// The square of the stretch, and whether it is flipped. Fine triangles have the corners (i, j), (i + 1, j),
+    /// (i, j + 1) when upright, else (i + 1, j), (i + 1, j + 1), (i, j + 1).
     #[inline]
     pub(super) fn of_fine(&self, [a, b, c]: [DVec3; 3], upright: bool) -> (f64, bool) {
         let (i, j) = if upright { (b - a, c - a) } else { (b - c, b - a) };

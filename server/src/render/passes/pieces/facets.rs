@@ -1,6 +1,6 @@
 //! Normals from finished triangles (Max 1999), as `normals_geometric` has them: each facet weighted by the sine of its
-//! angle by the product of its two edges' lengths, over the base triangles that meet smoothly at the vertex. On the host:
-//! it reads the lists once and computes little.
+//! angle over the product of its two edges' lengths, over the base triangles that meet smoothly at the vertex. On the
+//! host: it reads the lists once and computes little.
 
 use displace_glsl::{reference::site::vector, tables::Tables};
 use glam::DVec3;

@@ -4,8 +4,8 @@ use displace_glsl::{layout::refine::UNIT, reference::samples::place_in_triangle,
 
 use crate::domain::surface::Place;
 
-/// Base triangles and the weights of their second and third corner, in units of 2^-24: one for each triangle that shades
-/// the vertex, in the order of sums.
+/// Base triangles and the weights of their second and third corner, in units of 2^-24: one for each triangle that
+/// shades the vertex, in the order of sums.
 pub fn places(tables: &Tables, place: Place) -> impl Iterator<Item = (u32, [u32; 2])> {
     let along = if let Place::Edge { along, .. } = place { along } else { 0 };
     let own = if let Place::Inside { triangle, b } = place { Some((triangle, b)) } else { None };
