@@ -16,6 +16,7 @@ mod raster;
 mod refine;
 mod service;
 mod tidy;
+mod tolerance;
 mod vulkan;
 mod warnings;
 mod watertight;
