@@ -75,24 +75,21 @@ impl Field {
         let made = tessellate::tessellate(&job, &self.plan(), &self.tables, &self.mesh).expect("runs");
         let whole = start.elapsed().as_secs_f64() * 1e3;
         let refined = marks.refined_ms(start);
-        println!("{name:<8} host   {:7} triangles  refine {refined:8.0} ms  all {whole:8.0} ms", made.triangles.len());
-        let start = Instant::now();
-        let base = refine::base(&self.mesh);
-        let places = Places::new(&self.tables, &base);
-        let job = JobContext { cancel: &cancel, progress: &NoProgress };
-        let bounds = device::bounds::Bounds::new(device, &places, Asked::default()).expect("fits");
+        println!(
+            "{name:<8} host   {:7} triangles  refine {refined:8.0} ms  all {whole:8.0} ms",
+            made.mesh.triangles.len()
+        );
         for _ in 0..2 {
             let start = Instant::now();
-            let (refined, _) = device::refine(&job, device, &bounds, &base, START * self.tolerance, u64::MAX)
-                .expect("runs")
-                .expect("no limit");
+            let job = JobContext { cancel: &cancel, progress: &NoProgress };
+            let made = device::tessellate(device, &job, &self.plan(), &self.tables, &self.mesh).expect("runs");
             println!(
-                "{name:<8} device {:7} refined    refine {:8.0} ms",
-                refined.triangles.len(),
+                "{name} device {} {:?} {}",
+                made.mesh.triangles.len(),
+                made.times,
                 start.elapsed().as_secs_f64() * 1e3
             );
         }
-        let _ = start;
     }
 
     fn plan(&self) -> TolerancePlan {

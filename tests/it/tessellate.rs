@@ -2,6 +2,7 @@
 
 mod bounds;
 mod refine;
+mod whole;
 
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use displace_glsl::{reference::refine::Base, tables::Tables};
 use displace_server::{
     domain::{
         detail::{Detail, Layer, LayerSource, Map, Sampling, Wrap},
+        mesh::Mesh,
         request::Geometry,
     },
     render::{passes, refine::base},
@@ -21,6 +23,7 @@ use displace_tests::{
 
 /// A base mesh with one detail everywhere.
 struct Subject {
+    mesh: Mesh,
     tables: Tables,
     base: Base,
 }
@@ -32,7 +35,7 @@ impl Subject {
         let detail = Arc::new(Detail { layers, uv_set: 0 });
         let details = vec![Some(detail); mesh.primitives.len()];
         let plan = plan(&mesh, &geometry).expect("fits");
-        Self { tables: passes::tables::build(&plan, &mesh, &details).expect("tables"), base: base(&mesh) }
+        Self { tables: passes::tables::build(&plan, &mesh, &details).expect("tables"), base: base(&mesh), mesh }
     }
 }
 

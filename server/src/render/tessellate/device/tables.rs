@@ -1,6 +1,8 @@
 //! What the bound reads of a base mesh, from its tables: texel space in parts that f32 holds exactly, and the sides of
 //! seams by base triangle.
 
+use std::ops::Range;
+
 use displace_glsl::{
     layout::{
         bound::{BoundTriangle, BoundVertex, RampPart, Ramps, TexelPlace},
@@ -141,4 +143,23 @@ fn least(tables: &Tables, av: [u32; 3]) -> f32 {
     let middle = directions.iter().sum::<DVec3>() / 3.0;
     let spread = directions.iter().fold(0.0, |most: f64, d| most.max(d.distance(middle)));
     (0.999 * (middle.length() - spread)).max(0.0) as f32
+}
+
+/// At most so far from the base does any detail go, local units.
+#[must_use]
+pub fn largest_height(tables: &Tables) -> f64 {
+    let of_detail = |range: &Range<u32>| {
+        let layers = &tables.layers[range.start as usize..range.end as usize];
+        layers.iter().map(|layer| largest_of(tables, layer)).sum::<f64>()
+    };
+    tables.details.iter().map(of_detail).fold(0.0, f64::max)
+}
+
+fn largest_of(tables: &Tables, layer: &Layer) -> f64 {
+    // Maps follow each other in the arena.
+    let firsts = tables.layers.iter().map(|other| other.first as usize);
+    let end = firsts.filter(|first| *first > layer.first as usize).min().unwrap_or(tables.texels.len());
+    let values = tables.texels[layer.first as usize..end].iter();
+    let most = values.map(|value| (value - layer.midlevel).abs().max(value.abs())).fold(0.0, f32::max);
+    f64::from(most) * f64::from(layer.scale.abs())
 }
