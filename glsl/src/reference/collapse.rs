@@ -209,7 +209,7 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
         let base = &self.base().triangles[facet.base as usize];
         let corners = self.units(facet, base).map(share_of);
         let tolerance = (self.tolerance)(self.corners(facet));
-        bound(self.places, self.asked, facet.base, corners, tolerance * most) / tolerance
+        bound(self.places, self.asked, facet.base, corners, tolerance, most)
     }
 
     fn corners(&self, facet: &Facet) -> [DVec3; 3] {
