@@ -135,13 +135,13 @@ impl<'w> Work<'w> {
         if triangles > budget {
             return Ok(Attempt::TooMany { most_likely: triangles as f64 / budget as f64 });
         }
-        Ok(Attempt::Done(self.judged(mesh, grown.mismatch, fit, times)))
+        Ok(Attempt::Done(self.result(mesh, grown.mismatch, fit, times)))
     }
 
     /// The base mesh as it is, whatever its error.
     fn of_base(&self) -> Result<Tessellated> {
         let grown = self.start()?;
-        Ok(self.judged(grown.mesh, grown.mismatch, Fit::default(), Vec::new()))
+        Ok(self.result(grown.mesh, grown.mismatch, Fit::default(), Vec::new()))
     }
 
     /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
@@ -162,21 +162,23 @@ impl<'w> Work<'w> {
         (allowed * self.factor - self.rounding).max(0.5 * allowed)
     }
 
-    fn judge<'j>(&'j self, mesh: &'j Simplified, stars: &'j Stars) -> Judge<'j, impl Fn([DVec3; 3]) -> f64 + Sync> {
-        Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: |corners| self.tolerance(corners) }
+    /// Calls `ask` with what judges changes of the mesh.
+    fn judged<T>(&self, mesh: &Simplified, stars: &Stars, ask: impl FnOnce(&Judge<'_>) -> T) -> T {
+        let tolerance = |corners| self.tolerance(corners);
+        ask(&Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: &tolerance })
     }
 
     /// The largest known error, as a share of the tolerance, and whether all are known.
     fn worst(&self, mesh: &Simplified) -> (f64, bool) {
-        let stars = Stars::default();
-        let judge = self.judge(mesh, &stars);
-        let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
-        let known = |error: f64| if error.is_finite() { error } else { 0.0 };
-        errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1))
+        self.judged(mesh, &Stars::default(), |judge| {
+            let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
+            let known = |error: f64| if error.is_finite() { error } else { 0.0 };
+            errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1))
+        })
     }
 
     /// With the errors of all triangles, measured anew.
-    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit, times: Vec<PassTime>) -> Tessellated {
+    fn result(&self, mesh: Simplified, mismatch_max: f64, fit: Fit, times: Vec<PassTime>) -> Tessellated {
         let (worst, all_known) = self.worst(&mesh);
         let bound_local = worst * self.within(self.plan.tolerance_local) + self.rounding;
         let budget_reached = bound_local > self.plan.tolerance_local;
