@@ -49,10 +49,11 @@ impl Work for DisplaceWork {
             Ok(())
         })?;
         context.cancel.check()?;
+        let packing = gltf::Packing::finest(&inputs.scene, &surfaces, self.request.compression);
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
         let written =
-            inputs::timed(context.progress, "write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
+            inputs::timed(context.progress, "write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces, &packing))?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
         report.passes = passes;

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
-use super::{bounds, pack::Builder};
+use super::{bounds, pack::Builder, streams::References};
 use crate::domain::{
     Error, Result,
     gltf::extensions::{is_compression, refers_to_no_data},
@@ -145,19 +145,24 @@ pub(super) fn clear_primitive(document: &mut Value, mesh: usize, primitive: usiz
     }
 }
 
-pub(super) fn fill_primitive(
-    document: &mut Value,
-    mesh: usize,
-    primitive: usize,
-    attributes: Map<String, Value>,
-    indices: usize,
-    targets: Vec<Value>,
-) {
+pub(super) fn fill_primitive(document: &mut Value, mesh: usize, primitive: usize, data: References) {
     if let Some(primitive) = primitive_mut(document, mesh, primitive) {
-        primitive.insert("attributes".into(), attributes.into());
-        primitive.insert("indices".into(), indices.into());
-        if !targets.is_empty() {
-            primitive.insert("targets".into(), targets.into());
+        primitive.insert("attributes".into(), data.attributes.into());
+        primitive.insert("indices".into(), data.indices.into());
+        if !data.targets.is_empty() {
+            primitive.insert("targets".into(), data.targets.into());
+        }
+    }
+}
+
+/// The file cannot be shown without the extension.
+pub(super) fn require(document: &mut Value, extension: &str) {
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        if names(document, key).all(|name| name != extension) {
+            match document.get_mut(key).and_then(Value::as_array_mut) {
+                Some(list) => list.push(extension.into()),
+                None => document[key] = json!([extension]),
+            }
         }
     }
 }
