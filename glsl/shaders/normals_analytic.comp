@@ -24,6 +24,11 @@ PAGED(7, readonly, uint, contribution_first); // lists of contributions per av, 
 PAGED(8, readonly, Sample, samples);          // each at its own triangle
 PAGED(9, readonly, mat3, jets);
 PAGED(10, writeonly, vec3, normals);
+// Of block PLACES: each vertex's first sample, with the end after the last, and its fine number.
+PAGED(11, readonly, uint, place_first);
+PAGED(12, readonly, uint, place_vertices);
+
+const uint PLACES = 5u;
 
 // Unit normal of the displaced triangle at a sample, on the side of the shading normal; zero where there
 // is none. Sets `base` to the shading normal there.
@@ -49,6 +54,10 @@ vec3 displaced_normal(const uint i, inout bool moved, out vec3 base) {
 // First and last + 1 sample of a vertex; `vertex` is its fine number.
 uvec2 samples_of(const uint index, out uint vertex) {
     uint n = 1u << params.lattice.level;
+    if (params.block == PLACES) {
+        vertex = LOAD(place_vertices, index);
+        return uvec2(LOAD(place_first, index), LOAD(place_first, index + 1u)) - params.first_sample;
+    }
     if (params.block == CORNERS) {
         vertex = index;
         return uvec2(LOAD(contribution_first, index), LOAD(contribution_first, index + 1u)) - params.first_sample;
@@ -80,7 +89,7 @@ void element(uint i) {
         base += shading;
     }
     // A corner's own normal is unit and keeps its bits; the others are blends.
-    base = params.block == CORNERS ? normal_of(vertex) : normalize(base);
+    base = vertex < params.lattice.corners ? normal_of(vertex) : normalize(base);
     float size = length(sum);
     STORE(normals, vertex, moved && size > 1e-6 ? sum / size : base);
 }

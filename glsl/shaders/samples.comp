@@ -1,6 +1,6 @@
 #version 460
 // Lists the places where details are evaluated: a block of fine vertices in each base triangle around
-// them, or the sides of seams.
+// them, places that the host lists, or the sides of seams.
 #include "common.glsl"
 #include "pages.glsl"
 #include "lattice.glsl"
@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 
 layout(push_constant, scalar) uniform Params {
     uint count;
-    uint start; // number of the first sample in its block
+    uint start; // number of the first sample in its block or in `places`
     uint block;
     uint side;  // OWN, or the side of the triangle whose ramp is added
     uint rank;  // of the seam's side
@@ -30,9 +30,18 @@ PAGED(7, readonly, uint, triangle_correction); // index into corrections, or NON
 PAGED(8, readonly, Correction, corrections);
 PAGED(9, writeonly, Sample, samples);
 
+// A place in a base triangle, by the weights of its second and its third corner.
+struct TrianglePlace {
+    uint triangle;
+    vec2 b;
+};
+
+PAGED(10, readonly, TrianglePlace, places); // of block PLACES
+
 // Blocks beyond those of lattice.glsl.
 const uint SEAM_CORNERS = 3u;
 const uint SEAM_EDGES = 4u;
+const uint PLACES = 5u;
 const uint OWN = 3u;
 
 const Sample NOTHING = Sample(uvec3(0u), NONE, vec2(0.0), vec3(0.0), vec2(0.0));
@@ -81,7 +90,7 @@ Sample ramp_sample(const uint t, const BaseTriangle triangle, const vec3 b) {
     return result;
 }
 
-// The lattice point of sample `index` of a block of vertices, and its base triangle.
+// The lattice point of sample `index` of a block of fine vertices, and its base triangle.
 uvec2 lattice_point(const uint index, out uint t) {
     uint n = 1u << params.lattice.level;
     if (params.block == INTERIORS) {
@@ -105,6 +114,16 @@ uvec2 lattice_point(const uint index, out uint t) {
     return k == 0u ? uvec2(along, 0u) : (k == 1u ? uvec2(left, along) : uvec2(0u, left));
 }
 
+// The weights of the second and the third corner at sample `index`, and its base triangle.
+vec2 weights_at(const uint index, out uint t) {
+    if (params.block == PLACES) {
+        TrianglePlace place = LOAD(places, index);
+        t = place.triangle;
+        return place.b;
+    }
+    return vec2(lattice_point(index, t)) / float(1u << params.lattice.level);
+}
+
 Sample sample_at(const uint index) {
     uint n = 1u << params.lattice.level;
     if (params.block == SEAM_CORNERS) {
@@ -115,7 +134,7 @@ Sample sample_at(const uint index) {
         return edge_sample(side, float(index - side * (n - 1u) + 1u) / float(n));
     }
     uint t;
-    vec2 b = vec2(lattice_point(index, t)) / float(n);
+    vec2 b = weights_at(index, t);
     BaseTriangle triangle = LOAD(base_triangles, t);
     if (params.side == OWN) {
         return Sample(triangle.av, triangle.detail, b, FULL, vec2(1.0));

@@ -26,17 +26,16 @@ pub const fn interior_rank(level: u32, i: u64, j: u64) -> u64 {
     (j - 1) * (n - 1) - (j - 1) * j / 2 + (i - 1)
 }
 
-/// The inverse of [`interior_rank`].
+/// The inverse of [`interior_rank`]: the last row that starts no later, by a square root.
 #[must_use]
 pub fn interior_point(level: u32, rank: u64) -> (u64, u64) {
-    let n = 1u64 << level;
-    let mut j = 1;
-    let mut first = 0;
-    while first + (n - 1 - j) <= rank {
-        first += n - 1 - j;
-        j += 1;
-    }
-    (rank - first + 1, j)
+    let m = 2 * (1u64 << level) - 3;
+    // Row k (from 0) starts at rank k (m − k) / 2: at `rank` or before where (m − 2k)² >= m² − 8 rank.
+    let square = m * m - 8 * rank;
+    let root = square.isqrt();
+    let root = root + u64::from(root * root < square);
+    let k = (m - root) / 2;
+    (rank - k * (m - k) / 2 + 1, k + 1)
 }
 
 #[cfg(test)]
@@ -45,7 +44,7 @@ mod tests {
 
     #[test]
     fn ranks_count_the_interior_points_without_gaps() {
-        for level in 0..6 {
+        for level in 0..8 {
             let n = 1u64 << level;
             let mut expected = 0;
             for j in 1..n {

@@ -51,6 +51,13 @@ impl Tables {
         1 << self.lattice.level
     }
 
+    /// The base triangles that shade an av, or ae `list − corners`.
+    #[must_use]
+    pub fn contributions_of(&self, list: u32) -> &[u32] {
+        let [first, end] = [0, 1].map(|k| self.contribution_first[list as usize + k] as usize);
+        &self.contributions[first..end]
+    }
+
     /// The correction of a base triangle, if it touches a seam.
     #[must_use]
     pub fn correction(&self, triangle: u32) -> Option<&Correction> {

@@ -11,6 +11,7 @@ mod oracle;
 mod oracle_image;
 mod oracle_rays;
 mod passes;
+mod pieces;
 mod raster;
 mod refine;
 mod service;

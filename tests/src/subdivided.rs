@@ -1,7 +1,10 @@
 //! Uniform subdivision by plain interpolation: a surface for tests of what comes after the passes.
 
 use displace_glsl::lattice::{edge_points, interior_points, interior_rank};
-use displace_server::domain::{mesh::Mesh, surface::Surface};
+use displace_server::domain::{
+    mesh::Mesh,
+    surface::{Layout, Surface},
+};
 use glam::Vec3;
 
 /// Subdivides `mesh`, moving every fine vertex along its normal by `height` of its place. Seams may open:
@@ -28,7 +31,7 @@ pub fn subdivided(mesh: &Mesh, level: u32, height: impl Fn(Vec3) -> f32) -> Surf
         (p + *n * height(p)).to_array()
     });
     Surface {
-        level,
+        layout: Layout::Uniform { level },
         positions: moved.collect(),
         normals: if level == 0 { mesh.av_normal.clone() } else { normals.iter().map(|n| n.to_array()).collect() },
         attributes: mesh.attributes.iter().map(|a| blend(&a.values, a.components)).collect(),

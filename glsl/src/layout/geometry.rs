@@ -83,6 +83,12 @@ mirrors! {
         pub turn: [f32; 2],
     }
 
+    /// A place in a base triangle, by the weights of its second and its third corner.
+    pub struct TrianglePlace {
+        pub triangle: u32,
+        pub b: [f32; 2],
+    }
+
     pub struct SubdivideParams {
         pub count: u32,
         pub first: u32,
@@ -215,6 +221,8 @@ pub mod block {
     pub const SEAM_CORNERS: u32 = 3;
     /// Sides of geometric edges, in `samples` alone.
     pub const SEAM_EDGES: u32 = 4;
+    /// Vertices and places that the host lists, in `samples` and `normals_analytic`.
+    pub const PLACES: u32 = 5;
 }
 
 /// [`Layer::kind`].

@@ -105,7 +105,8 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
             if self.is_open(star, moving, to) {
                 let most = best.map_or(1.0, |best| best.error);
                 let found = self.error(star, vertex, to, most);
-                best = found.filter(|error| best.is_none() || *error < most).map(|error| Candidate { to, error }).or(best);
+                best =
+                    found.filter(|error| best.is_none() || *error < most).map(|error| Candidate { to, error }).or(best);
             }
         }
         best

@@ -30,9 +30,9 @@ pub fn normal(tables: &Tables, which: u32, index: u32, position: impl Fn(u32) ->
 }
 
 fn gathered(tables: &Tables, list: u32, along: u32, position: &impl Fn(u32) -> DVec3) -> DVec3 {
-    let range = tables.contribution_first[list as usize]..tables.contribution_first[list as usize + 1];
-    let items = &tables.contributions[range.start as usize..range.end as usize];
-    items.iter().map(|&item| facets_around(tables, item / 3, place_in_triangle(tables, item, along), position)).sum()
+    let point = |item: u32| place_in_triangle(tables, item, along, tables.segments());
+    let items = tables.contributions_of(list).iter();
+    items.map(|&item| facets_around(tables, item / 3, point(item), position)).sum()
 }
 
 /// Facets of base triangle t around a lattice point, on the side of the shading normals.

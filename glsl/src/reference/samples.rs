@@ -132,13 +132,13 @@ pub fn lattice_point(tables: &Tables, which: u32, index: u32) -> (u32, [u32; 2])
     let points = if which == block::EDGES { n - 1 } else { 1 };
     let item = tables.contributions[(index / points) as usize];
     let along = if which == block::EDGES { index % points + 1 } else { 0 };
-    (item / 3, place_in_triangle(tables, item, along))
+    (item / 3, place_in_triangle(tables, item, along, n))
 }
 
-/// The lattice point `along` the ae of side `item % 3` of triangle `item / 3`; 0 is the side's first corner.
+/// The point `along` the ae of side `item % 3` of triangle `item / 3`, where a whole side is n; 0 is the side's
+/// first corner.
 #[must_use]
-pub fn place_in_triangle(tables: &Tables, item: u32, along: u32) -> [u32; 2] {
-    let n = tables.segments();
+pub fn place_in_triangle(tables: &Tables, item: u32, along: u32, n: u32) -> [u32; 2] {
     let (t, k) = (item / 3, item % 3);
     let reversed = tables.base_triangles[t as usize].reversed >> k & 1 == 1;
     let along = if reversed && along > 0 { n - along } else { along };

@@ -1,27 +1,37 @@
 //! The result of displacing one base mesh, in host memory.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `layout.rs` | how fine vertices and triangles are numbered |
+//! | `pieces.rs` | the numbering of a mesh that is finer where it needs to be |
+//! | `arrangement.rs` | from a refined mesh to that numbering |
+
+mod arrangement;
+mod layout;
+mod pieces;
 
 use std::ops::Range;
 
-use displace_glsl::lattice;
+pub use arrangement::Arrangement;
+pub use layout::{Layout, Place};
+pub use pieces::{Pieces, Shape};
 
 use super::{
     fit::Fit,
     mesh::{Mesh, Primitive},
 };
 
-/// Fine vertices are attribute vertices in a closed-form order: with n = 2^level segments per edge,
-/// first the base avs; then, for each ae, its n − 1 inner vertices from the ae's first av to its second;
-/// then, for each base triangle, its (n − 1)(n − 2) / 2 inner vertices (see `displace_glsl::lattice`).
+/// Fine vertices are attribute vertices, numbered as `layout` says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    pub level: u32,
+    pub layout: Layout,
     /// Mesh-local units. Fine avs of one geometric vertex have bit-equal positions.
     pub positions: Vec<[f32; 3]>,
     /// Unit length.
     pub normals: Vec<[f32; 3]>,
     /// Parallel to `Mesh::attributes`: `components` values for each fine vertex.
     pub attributes: Vec<Vec<f32>>,
-    /// Fine vertex ids; base triangle t owns `triangles[t << (2 * level)..(t + 1) << (2 * level)]`.
+    /// Fine vertex ids, sorted by base triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
     pub mismatch_max: f32,
@@ -35,17 +45,24 @@ impl Surface {
     /// The three ranges of fine vertices of one primitive: corners, edges, interiors.
     #[must_use]
     pub fn vertices_of(&self, mesh: &Mesh, primitive: &Primitive) -> [Range<usize>; 3] {
-        let edge = lattice::edge_points(self.level) as usize;
-        let interior = lattice::interior_points(self.level) as usize;
-        let edges = mesh.av_gv.len();
-        let interiors = edges + mesh.ae_av.len() * edge;
-        let scaled = |range: &Range<u32>, first: usize, each: usize| {
-            first + range.start as usize * each..first + range.end as usize * each
-        };
-        [
-            scaled(&primitive.avs, 0, 1),
-            scaled(&primitive.aes, edges, edge),
-            scaled(&primitive.triangles, interiors, interior),
-        ]
+        self.layout.vertices_of(mesh, primitive)
+    }
+
+    /// Inner vertices of an ae, from its first av to its second.
+    #[must_use]
+    pub fn edge_vertices(&self, mesh: &Mesh, ae: u32) -> Range<usize> {
+        self.layout.edge_vertices(mesh, ae)
+    }
+
+    /// Entries of `triangles` that a base triangle owns.
+    #[must_use]
+    pub fn triangles_of(&self, base_triangle: usize) -> Range<usize> {
+        self.layout.triangles_of(base_triangle)
+    }
+
+    /// Three base avs and the weights of a fine vertex among them: exact, and of sum 1.
+    #[must_use]
+    pub fn site(&self, mesh: &Mesh, vertex: usize) -> ([u32; 3], [f64; 3]) {
+        self.layout.place(mesh, vertex).site(mesh)
     }
 }

@@ -107,11 +107,13 @@ fn render_material(material: &Material, texture: Option<&TextureUse>, map: Optio
 fn render_mesh(mesh: &Mesh, materials: &[Material], mut surface: Surface) -> RenderMesh {
     let uvs = uvs(mesh, materials, &surface);
     let colors = colors(mesh, &surface);
-    let shift = 2 * surface.level;
     let material_of_triangles = mesh
         .primitives
         .iter()
-        .map(|p| (p.triangles.start << shift, p.material.unwrap_or(materials.len()) as u32))
+        .map(|p| {
+            let first = surface.layout.triangles_of_primitive(p).start;
+            (first as u32, p.material.unwrap_or(materials.len()) as u32)
+        })
         .collect();
     RenderMesh {
         positions: Arc::new(std::mem::take(&mut surface.positions)),

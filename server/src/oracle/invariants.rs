@@ -11,7 +11,7 @@ mod attributes;
 mod junctions;
 mod partition;
 
-use std::fmt;
+use std::{collections::HashMap, fmt};
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ pub use attributes::attributes;
 pub use junctions::t_junctions;
 pub use partition::partition;
 
-use super::topology::Topology;
+use super::topology::{Edge, Topology};
 use crate::domain::{
     mesh::{Mesh, Triangle},
     surface::Surface,
@@ -55,13 +55,15 @@ impl Broken {
     }
 }
 
-/// All checks of a surface displaced from `mesh`: finite streams, indices in range, triangles that tile the base,
-/// attributes of the base, one position for each place, and the base's boundary, manifoldness, winding and Euler
-/// characteristic; no T-junction where the base has none.
+/// All checks of a surface displaced from `mesh`: finite streams, indices in range, lists of a sound layout, triangles
+/// that tile the base, attributes of the base, one position for each place, and the base's boundary, manifoldness,
+/// winding and Euler characteristic; no T-junction where the base has none.
 #[must_use]
 pub fn of_surface(mesh: &Mesh, surface: &Surface) -> Vec<Broken> {
     let vertices = surface.positions.len();
-    if let Some(broken) = indices(vertices, &surface.triangles).or_else(|| sizes(mesh, surface)) {
+    let unsound =
+        indices(vertices, &surface.triangles).or_else(|| lists(mesh, surface)).or_else(|| sizes(mesh, surface));
+    if let Some(broken) = unsound {
         return vec![broken];
     }
     let checks = [
@@ -74,23 +76,20 @@ pub fn of_surface(mesh: &Mesh, surface: &Surface) -> Vec<Broken> {
     checks.into_iter().flatten().chain(kept(mesh, surface)).collect()
 }
 
-/// What the base has is what the surface has, n = 2^level edges for each of its edges.
+/// What the base has is what the surface has, as many edges for each of its edges as that has segments.
 fn kept(mesh: &Mesh, surface: &Surface) -> Vec<Broken> {
     let corners = |t: &Triangle| t.av.map(|av| mesh.av_gv[av as usize]);
     let base = Topology::new(&mesh.gv_position, &mesh.triangles.iter().map(corners).collect::<Vec<_>>());
     let fine = Topology::new(&surface.positions, &surface.triangles);
-    let n = 1i64 << surface.level;
-    let count = |topology: &Topology| {
-        [
-            topology.boundary().count() as i64,
-            topology.non_manifold().count() as i64,
-            topology.badly_wound().count() as i64,
-        ]
+    let segments = segments(mesh, surface);
+    let of_base = |edge: &Edge| {
+        let gvs = edge.places.map(|place| base.vertex_of_place[place as usize]);
+        segments.get(&[gvs[0].min(gvs[1]), gvs[0].max(gvs[1])]).copied().unwrap_or(1)
     };
-    let [base_edges, fine_edges] = [count(&base), count(&fine)];
+    let [base_edges, fine_edges] = [special_edges(&base, of_base), special_edges(&fine, |_| 1)];
     let [base_euler, fine_euler] = [base.euler_characteristic(), fine.euler_characteristic()];
     let rules = ["boundary_edges", "non_manifold_edges", "badly_wound_edges"];
-    let edges = rules.iter().zip(base_edges.map(|edges| n * edges)).zip(fine_edges);
+    let edges = rules.iter().zip(base_edges).zip(fine_edges);
     let differences = edges.map(|((&rule, expected), found)| differs(rule, expected, found));
     let euler = differs("euler_characteristic", base_euler, fine_euler);
     let junctions = match t_junctions(&mesh.gv_position, &base) {
@@ -100,26 +99,40 @@ fn kept(mesh: &Mesh, surface: &Surface) -> Vec<Broken> {
     differences.chain([euler, junctions]).flatten().collect()
 }
 
+/// Boundary, non-manifold and badly wound edges, each counted as `worth` says.
+fn special_edges(topology: &Topology, worth: impl Fn(&Edge) -> i64) -> [i64; 3] {
+    [
+        topology.boundary().map(&worth).sum(),
+        topology.non_manifold().map(&worth).sum(),
+        topology.badly_wound().map(&worth).sum(),
+    ]
+}
+
+/// How many segments each base edge has, by its gvs, the lower first.
+fn segments(mesh: &Mesh, surface: &Surface) -> HashMap<[u32; 2], i64> {
+    let of_edge = |(ge, gvs): (usize, &[u32; 2])| {
+        let inner = mesh.ge_ae.list(ge).first().map_or(0, |ae| surface.edge_vertices(mesh, *ae).len());
+        (*gvs, inner as i64 + 1)
+    };
+    mesh.ge_gv.iter().enumerate().map(of_edge).collect()
+}
+
 fn differs(rule: &'static str, expected: i64, found: i64) -> Option<Broken> {
     let first = format!("{found} where the base has {expected}");
     (found != expected).then(|| Broken { rule, count: found.abs_diff(expected), first })
 }
 
+fn lists(mesh: &Mesh, surface: &Surface) -> Option<Broken> {
+    Broken::of("lists", surface.layout.fault(mesh), |fault| fault)
+}
+
 fn sizes(mesh: &Mesh, surface: &Surface) -> Option<Broken> {
-    let (inner, interior) = points(surface.level);
-    let vertices = mesh.av_gv.len() + mesh.ae_av.len() * inner + mesh.triangles.len() * interior;
-    let triangles = mesh.triangles.len() << (2 * surface.level);
+    let (vertices, triangles) = (surface.layout.vertices(mesh), surface.layout.triangles(mesh));
     let found = [surface.positions.len(), surface.normals.len(), surface.triangles.len()];
     let wanted = [vertices, vertices, triangles];
     Broken::of("sizes", (found != wanted).then_some(()), |()| {
-        format!("{found:?} positions, normals and triangles where the level asks for {wanted:?}")
+        format!("{found:?} positions, normals and triangles where the layout asks for {wanted:?}")
     })
-}
-
-/// Fine vertices within an edge and within a triangle, as `Surface` documents them.
-fn points(level: u32) -> (usize, usize) {
-    let n = 1usize << level;
-    (n - 1, (n - 1) * n.saturating_sub(2) / 2)
 }
 
 /// Indices of triangles below `vertices`.
@@ -155,7 +168,7 @@ pub fn euler_characteristic(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> i
 pub fn one_position_per_place(mesh: &Mesh, surface: &Surface) -> Option<Broken> {
     let bits = |v: usize| surface.positions[v].map(f32::to_bits);
     let apart = |&[a, b]: &[usize; 2]| bits(a) != bits(b);
-    Broken::of("one_position_per_place", shared(mesh, surface.level).filter(apart), |[a, b]| {
+    Broken::of("one_position_per_place", shared(mesh, surface).filter(apart), |[a, b]| {
         let [p, q] = [a, b].map(|v| surface.positions[v]);
         format!("vertices {a} {p:?} and {b} {q:?}")
     })
@@ -166,19 +179,19 @@ pub fn one_position_per_place(mesh: &Mesh, surface: &Surface) -> Option<Broken> 
 #[must_use]
 pub fn largest_gap(mesh: &Mesh, surface: &Surface) -> f64 {
     let at = |v: usize| DVec3::from_array(surface.positions[v].map(f64::from));
-    shared(mesh, surface.level).map(|[a, b]| at(a).distance(at(b))).fold(0.0, f64::max)
+    shared(mesh, surface).map(|[a, b]| at(a).distance(at(b))).fold(0.0, f64::max)
 }
 
 /// Fine vertices that share a place of the base: the first of each place with every other.
-fn shared(mesh: &Mesh, level: u32) -> impl Iterator<Item = [usize; 2]> {
-    let (inner, _) = points(level);
-    let with_first = |list: &[u32]| -> Vec<[usize; 2]> {
-        list.iter().skip(1).map(|&other| [list[0] as usize, other as usize]).collect()
-    };
+fn shared<'a>(mesh: &'a Mesh, surface: &'a Surface) -> impl Iterator<Item = [usize; 2]> + 'a {
+    let with_first = |list: &'a [u32]| list.iter().skip(1).map(|&other| [list[0], other]);
     let corners = (0..mesh.gv_position.len()).flat_map(move |gv| with_first(mesh.gv_av.list(gv)));
     let edges = (0..mesh.ge_gv.len()).flat_map(move |ge| with_first(mesh.ge_ae.list(ge)));
-    let along = edges.flat_map(move |aes| (0..inner).map(move |k| aes.map(|ae| mesh.av_gv.len() + ae * inner + k)));
-    corners.chain(along)
+    let along = edges.flat_map(move |aes| {
+        let [first, other] = aes.map(|ae| surface.edge_vertices(mesh, ae));
+        first.zip(other).map(|(a, b)| [a, b])
+    });
+    corners.map(|avs| avs.map(|av| av as usize)).chain(along)
 }
 
 #[cfg(test)]

@@ -9,6 +9,8 @@
 //! | normals_analytic, normals_geometric | `normals.rs` | normals |
 //! | triangles | `triangles.rs` | fine triangles, flipped and broken ones counted |
 //! | attributes | `attributes.rs` | everything else that is interpolated |
+//!
+//! `pieces.rs` ends the work on a mesh that was tessellated elsewhere.
 
 pub mod attributes;
 pub mod contributions;
@@ -16,6 +18,7 @@ pub mod displace;
 pub mod jets;
 pub mod layers;
 pub mod normals;
+pub mod pieces;
 pub mod reconcile;
 pub mod seams;
 pub mod skin;
@@ -26,7 +29,7 @@ pub mod triangles;
 
 use std::sync::Arc;
 
-use displace_glsl::{layout::geometry::counter, tables::Tables};
+use displace_glsl::layout::geometry::counter;
 
 use crate::{
     domain::{
@@ -34,30 +37,36 @@ use crate::{
         detail::Detail,
         mesh::Mesh,
         plan::{NormalsPlan, SurfacePlan, TessellationPlan},
-        surface::Surface,
+        report,
+        surface::{Layout, Surface},
     },
     vulkan::{Device, PassTime, Recorder},
 };
 use streams::{BaseStreams, FineStreams};
 
+use super::{JobContext, tessellate::tessellate};
+
 /// Displaces one mesh on a device.
 pub fn displace(
     device: &Arc<Device>,
-    recorder: Recorder<'_>,
+    job: &JobContext<'_>,
     plan: &SurfacePlan,
     mesh: &Mesh,
     details: &[Option<Arc<Detail>>],
-) -> Result<(Surface, Vec<PassTime>)> {
+) -> Result<(Surface, Vec<report::PassTime>)> {
+    let recorder = device.recorder(job.cancel, job.progress);
     match &plan.tessellation {
-        TessellationPlan::Uniform { .. } => displace_uniformly(device, recorder, plan, mesh, details),
-        // The place of the tessellator.
-        TessellationPlan::Tolerance(_) => Err(no_tessellator()),
+        TessellationPlan::Uniform { .. } => {
+            let (surface, times) = displace_uniformly(device, recorder, plan, mesh, details)?;
+            Ok((surface, times.into_iter().map(report::PassTime::from).collect()))
+        }
+        TessellationPlan::Tolerance(tolerance) => {
+            let tables = tables::build(plan, mesh, details)?;
+            let tessellation = tessellate(job, tolerance, &tables, mesh)?;
+            let base = BaseStreams::new(device, &tables)?;
+            tessellation.finished(mesh, |shape| pieces::finish(device, recorder, plan, &tables, &base, mesh, shape))
+        }
     }
-}
-
-/// The refusal of both executors.
-pub fn no_tessellator() -> Error {
-    Error::unsupported("geometry.tolerance", "this version refines uniformly alone: give uniform_level")
 }
 
 fn displace_uniformly(
@@ -81,22 +90,17 @@ fn displace_uniformly(
     triangles::record(&mut recorder, &tables, &base, &fine)?;
     let attributes = attributes::record(device, &mut recorder, plan, &tables, mesh, &base)?;
     let times = recorder.finish()?;
-    Ok((surface(plan, &tables, mesh, &fine, &attributes)?, times))
+    Ok((surface(plan, mesh, &fine, &attributes)?, times))
 }
 
-fn surface(
-    plan: &SurfacePlan,
-    tables: &Tables,
-    mesh: &Mesh,
-    fine: &FineStreams,
-    attributes: &[attributes::Pieces],
-) -> Result<Surface> {
+fn surface(plan: &SurfacePlan, mesh: &Mesh, fine: &FineStreams, attributes: &[attributes::Values]) -> Result<Surface> {
     let counters: Vec<u32> = fine.counters.read()?;
     check_finite(mesh, u64::from(counters[counter::NOT_FINITE]))?;
-    let mut values = attributes.iter().map(attributes::Pieces::read).collect::<Result<Vec<_>>>()?;
-    skin::blend(tables, mesh, plan.vertices, &mut values);
+    let mut values = attributes.iter().map(attributes::Values::read).collect::<Result<Vec<_>>>()?;
+    let layout = Layout::Uniform { level: plan.tessellation.lattice_level() };
+    skin::blend(&layout, mesh, &mut values);
     Ok(Surface {
-        level: plan.tessellation.lattice_level(),
+        layout,
         positions: fine.positions.read()?,
         normals: fine.normals.read()?,
         attributes: values,

@@ -1,6 +1,8 @@
 //! The executor in f64 on the CPU: the twins of the passes, composed. It needs no device and is the
 //! oracle the device is measured against.
 
+pub mod pieces;
+
 use std::{sync::Arc, time::Instant};
 
 use displace_glsl::{
@@ -24,6 +26,7 @@ use super::{
     Executor, JobContext,
     passes::{self, displace::runs, skin, subdivide::blocks},
     reference_image,
+    tessellate::tessellate,
 };
 use crate::domain::{
     Result,
@@ -32,7 +35,7 @@ use crate::domain::{
     mesh::Mesh,
     plan::{NormalsPlan, SurfacePlan, TessellationPlan},
     report::PassTime,
-    surface::Surface,
+    surface::{Layout, Surface},
 };
 
 /// The device called `reference`.
@@ -57,12 +60,14 @@ impl Executor for ReferenceExecutor {
     ) -> Result<(Surface, Vec<PassTime>)> {
         let tables = passes::tables::build(plan, mesh, detail_of_primitive)?;
         let mut stages = Stages { job, times: Vec::new() };
-        let surface = match &plan.tessellation {
-            TessellationPlan::Uniform { .. } => Displacer::new(&tables, mesh, plan).run(&mut stages)?,
-            // The place of the tessellator.
-            TessellationPlan::Tolerance(_) => return Err(passes::no_tessellator()),
-        };
-        Ok((surface, stages.times))
+        match &plan.tessellation {
+            TessellationPlan::Uniform { .. } => {
+                let surface = Displacer::new(&tables, mesh, plan).run(&mut stages)?;
+                Ok((surface, stages.times))
+            }
+            TessellationPlan::Tolerance(tolerance) => tessellate(job, tolerance, &tables, mesh)?
+                .finished(mesh, |shape| pieces::finish(job, plan, &tables, mesh, shape)),
+        }
     }
 
     fn traces_rays(&self) -> bool {
@@ -114,10 +119,11 @@ impl<'a> Displacer<'a> {
         let normals = stages.run("normals", || self.normals())?;
         let triangles = stages.run("triangles", || self.triangles())?;
         let mut attributes = stages.run("attributes", || self.attributes())?;
-        skin::blend(self.tables, self.mesh, self.plan.vertices, &mut attributes);
+        let layout = Layout::Uniform { level: self.plan.tessellation.lattice_level() };
+        skin::blend(&layout, self.mesh, &mut attributes);
         passes::check_finite(self.mesh, self.broken(&triangles))?;
         Ok(Surface {
-            level: self.tables.lattice.level,
+            layout,
             flipped: self.flipped(&triangles),
             positions: self.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
             normals,
@@ -181,8 +187,12 @@ impl<'a> Displacer<'a> {
 
     /// The whole displacement of base triangle t at lattice point ij, and the sample there.
     fn jet(&self, t: u32, ij: [u32; 2]) -> Option<(Sample, Jet)> {
-        let n = f64::from(self.tables.segments());
-        let [b1, b2] = ij.map(|x| f64::from(x) / n);
+        let [b1, b2] = ij.map(|x| f64::from(x) / f64::from(self.tables.segments()));
+        self.jet_at(t, b1, b2)
+    }
+
+    /// The same where the second and the third corner have weights b1 and b2.
+    fn jet_at(&self, t: u32, b1: f64, b2: f64) -> Option<(Sample, Jet)> {
         let at =
             |side, rank| samples::vertex_sample(self.tables, &self.sampling(block::INTERIORS, side, rank), t, b1, b2);
         let own = at(OWN, 0)?;
@@ -338,7 +348,6 @@ pub fn places(tables: &Tables, which: u32, index: u32) -> Vec<(u32, [u32; 2])> {
         let (i, j) = displace_glsl::lattice::interior_point(tables.lattice.level, u64::from(index % inside));
         return vec![(index / inside, [i as u32, j as u32])];
     }
-    let range = tables.contribution_first[list as usize]..tables.contribution_first[list as usize + 1];
-    let items = &tables.contributions[range.start as usize..range.end as usize];
-    items.iter().map(|&item| (item / 3, samples::place_in_triangle(tables, item, along))).collect()
+    let items = tables.contributions_of(list).iter();
+    items.map(|&item| (item / 3, samples::place_in_triangle(tables, item, along, tables.segments()))).collect()
 }

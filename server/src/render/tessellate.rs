@@ -4,8 +4,10 @@
 mod refine;
 mod simplify;
 
+use std::time::Instant;
+
 use displace_glsl::{
-    layout::refine::RefinedVertex,
+    layout::refine::RefinedTriangle,
     reference::{
         bound::Asked,
         collapse::{Facet, Judge, Simplified, Stars},
@@ -22,19 +24,37 @@ use crate::domain::{
     fit::Fit,
     mesh::Mesh,
     plan::TolerancePlan,
+    report::PassTime,
     request::{ErrorAt, Quality},
+    surface::{Arrangement, Shape, Surface},
 };
 
 /// The tessellation of one base mesh.
 #[derive(Clone, Debug)]
 pub struct Tessellated {
-    pub vertices: Vec<RefinedVertex>,
-    /// Displaced, by vertex.
-    pub positions: Vec<DVec3>,
-    pub triangles: Vec<Facet>,
+    pub mesh: Simplified,
     /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
     pub mismatch_max: f64,
     pub fit: Fit,
+    pub times: Vec<PassTime>,
+}
+
+impl Tessellated {
+    /// With the normals and attributes that `finish` gives its shape.
+    pub fn finished<T: Into<PassTime>>(
+        self,
+        mesh: &Mesh,
+        finish: impl FnOnce(Shape) -> Result<(Surface, Vec<T>)>,
+    ) -> Result<(Surface, Vec<PassTime>)> {
+        let triangle = |facet: &Facet| RefinedTriangle { gv: facet.gv, base: facet.base, ..RefinedTriangle::default() };
+        let triangles: Vec<RefinedTriangle> = self.mesh.triangles.iter().map(triangle).collect();
+        let positions: Vec<[f32; 3]> = self.mesh.positions.iter().map(|p| p.as_vec3().to_array()).collect();
+        let shape = Arrangement::of(mesh, &self.mesh.vertices, &triangles)?.placed(&positions);
+        let (surface, more) = finish(shape)?;
+        let mismatch_max = surface.mismatch_max.max(self.mismatch_max as f32);
+        let times = self.times.into_iter().chain(more.into_iter().map(T::into)).collect();
+        Ok((Surface { mismatch_max, fit: Some(self.fit), ..surface }, times))
+    }
 }
 
 /// How much finer than the tolerance refinement goes: collapses make more of vertices to choose from, and each costs time.
@@ -67,7 +87,9 @@ pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, m
 enum Attempt {
     Done(Tessellated),
     /// More triangles than the budget: loosen the tolerance by this factor.
-    TooMany { most_likely: f64 },
+    TooMany {
+        most_likely: f64,
+    },
 }
 
 /// One attempt at the tolerance of the plan times `factor`.
@@ -75,6 +97,7 @@ struct Work<'w> {
     job: &'w JobContext<'w>,
     plan: &'w TolerancePlan,
     places: &'w Places<'w>,
+    mesh: &'w Mesh,
     asked: Asked,
     factor: f64,
     /// What rounding may take of it, local units.
@@ -86,12 +109,12 @@ impl<'w> Work<'w> {
         job: &'w JobContext<'w>,
         plan: &'w TolerancePlan,
         places: &'w Places<'w>,
-        mesh: &Mesh,
+        mesh: &'w Mesh,
         factor: f64,
     ) -> Self {
         let reach = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
         let asked = Asked { at_texels: plan.error_at == ErrorAt::Texels };
-        Self { job, plan, places, asked, factor, rounding: ROUNDING * f64::from(reach) }
+        Self { job, plan, places, mesh, asked, factor, rounding: ROUNDING * f64::from(reach) }
     }
 
     fn quality(&self) -> usize {
@@ -101,23 +124,24 @@ impl<'w> Work<'w> {
     fn run(&self) -> Result<Attempt> {
         let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
         let limit = budget.saturating_mul(MOST_REFINED);
-        let Some(grown) = self.refine(START[self.quality()], limit)? else {
+        let mut times = Vec::new();
+        let Some(grown) = timed("refine", &mut times, || self.refine(START[self.quality()], limit))? else {
             return Ok(Attempt::TooMany { most_likely: 2.0 });
         };
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
         let mut mesh = grown.mesh;
-        fit.collapse_rounds = self.simplify(&mut mesh, SWEEPS[self.quality()])?;
+        fit.collapse_rounds = timed("collapse", &mut times, || self.simplify(&mut mesh, SWEEPS[self.quality()]))?;
         let triangles = mesh.triangles.len() as u64;
         if triangles > budget {
             return Ok(Attempt::TooMany { most_likely: triangles as f64 / budget as f64 });
         }
-        Ok(Attempt::Done(self.judged(mesh, grown.mismatch, fit)))
+        Ok(Attempt::Done(self.judged(mesh, grown.mismatch, fit, times)))
     }
 
     /// The base mesh as it is, whatever its error.
     fn of_base(&self) -> Result<Tessellated> {
-        let grown = self.start();
-        Ok(self.judged(grown.mesh, grown.mismatch, Fit::default()))
+        let grown = self.start()?;
+        Ok(self.judged(grown.mesh, grown.mismatch, Fit::default(), Vec::new()))
     }
 
     /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
@@ -147,7 +171,7 @@ impl<'w> Work<'w> {
     }
 
     /// With the errors of all triangles, measured anew.
-    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit) -> Tessellated {
+    fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit, times: Vec<PassTime>) -> Tessellated {
         let (worst, all_known) = self.worst(&mesh);
         let bound_local = worst * self.plan.tolerance_local * self.factor + self.rounding;
         let budget_reached = bound_local > self.plan.tolerance_local;
@@ -160,6 +184,13 @@ impl<'w> Work<'w> {
             budget_reached,
             ..fit
         };
-        Tessellated { vertices: mesh.vertices, positions: mesh.positions, triangles: mesh.triangles, mismatch_max, fit }
+        Tessellated { mesh, mismatch_max, fit, times }
     }
+}
+
+fn timed<T>(name: &str, times: &mut Vec<PassTime>, step: impl FnOnce() -> Result<T>) -> Result<T> {
+    let start = Instant::now();
+    let result = step()?;
+    times.push(PassTime { name: name.into(), ms: start.elapsed().as_secs_f64() * 1e3, bytes: 0 });
+    Ok(result)
 }

@@ -78,9 +78,7 @@ impl Executor for VulkanExecutor {
         mesh: &Mesh,
         detail_of_primitive: &[Option<Arc<Detail>>],
     ) -> Result<(Surface, Vec<PassTime>)> {
-        let recorder = self.device.recorder(job.cancel, job.progress);
-        let (surface, times) = passes::displace(&self.device, recorder, plan, mesh, detail_of_primitive)?;
-        Ok((surface, times.into_iter().map(PassTime::from).collect()))
+        passes::displace(&self.device, job, plan, mesh, detail_of_primitive)
     }
 
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {

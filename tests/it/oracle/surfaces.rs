@@ -7,6 +7,7 @@ use displace_server::{
         cancel::Cancel,
         detail::{Detail, LayerSource, Map, Sampling, Wrap},
         mesh::Mesh,
+        surface::Place,
     },
     oracle::{
         dicing::{Dicing, Limits, dice},
@@ -66,25 +67,16 @@ fn diced(surface: &Surface<'_>, residual: f64) -> Dicing {
 fn places_and_normals_agree_with_the_reference_executor() {
     for (name, mesh, detail) in cases() {
         let mesh = mesh.to_mesh();
-        let level = 3u32;
-        let n = f64::from(1u32 << level);
-        let made = displace(&ReferenceExecutor, &mesh, &detail, &uniform(level));
+        let made = displace(&ReferenceExecutor, &mesh, &detail, &uniform(3));
         let surface = surface(&mesh, &detail);
         let (mut apart, mut turned) = (0f64, 0f64);
-        for t in 0..mesh.triangles.len() {
-            for (rank, (i, j)) in (0..displace_glsl::lattice::interior_points(level))
-                .map(|rank| (rank, displace_glsl::lattice::interior_point(level, rank)))
-            {
-                let b = DVec3::new(n - (i + j) as f64, i as f64, j as f64) / n;
-                let first = made.vertices_of(&mesh, &mesh.primitives[mesh.triangles[t].primitive as usize])[2].start;
-                let first_triangle = mesh.primitives[mesh.triangles[t].primitive as usize].triangles.start as usize;
-                let points = displace_glsl::lattice::interior_points(level) as usize;
-                let vertex = first + (t - first_triangle) * points + rank as usize;
-                let (place, normal) = surface.position_and_normal(t, b);
-                assert!(place.distance(surface.position(t, b)) < 1e-14);
-                apart = apart.max(place.distance(DVec3::from_array(made.positions[vertex].map(f64::from))));
-                turned = turned.max(normal.distance(DVec3::from_array(made.normals[vertex].map(f64::from))));
-            }
+        for vertex in made.layout.blocks(&mesh)[2].clone() {
+            let Place::Inside { triangle, .. } = made.layout.place(&mesh, vertex) else { panic!("{name}: {vertex}") };
+            let (t, b) = (triangle as usize, DVec3::from_array(made.site(&mesh, vertex).1));
+            let (place, normal) = surface.position_and_normal(t, b);
+            assert!(place.distance(surface.position(t, b)) < 1e-14);
+            apart = apart.max(place.distance(DVec3::from_array(made.positions[vertex].map(f64::from))));
+            turned = turned.max(normal.distance(DVec3::from_array(made.normals[vertex].map(f64::from))));
         }
         assert!(apart < 1e-6, "{name}: {apart} apart");
         assert!(turned < 2e-4, "{name}: normals {turned} apart");

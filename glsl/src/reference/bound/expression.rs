@@ -75,25 +75,14 @@ impl Part<'_> {
         let tables = self.patch.places.tables;
         let av = self.patch.av.map(|av| av as usize);
         let uv = av.map(|av| [tables.av_position_u[av][3], tables.av_direction_v[av][3]].map(f64::from));
-        let row = |[a, b, c]: [f32; 3]| {
-            affine(uv.map(|[u, v]| f64::from(a) * u + f64::from(b) * v + f64::from(c)))
-        };
+        let row = |[a, b, c]: [f32; 3]| affine(uv.map(|[u, v]| f64::from(a) * u + f64::from(b) * v + f64::from(c)));
         let position = |k: usize| affine(av.map(|av| f64::from(tables.av_position_u[av][k])));
         let normal = [0, 1, 2].map(|k| affine(av.map(|av| vector(&tables.av_normal[av])[k])));
         let square = normal[0].powi(2).add(normal[1].powi(2)).add(normal[2].powi(2));
         let flat = av.iter().all(|other| tables.av_normal[*other] == tables.av_normal[av[0]]);
         let unit = |k: usize| if flat { normal[k] } else { normal[k].div(square.sqrt()) };
         let l = self.layer;
-        [
-            row(l.texel_from_u),
-            row(l.texel_from_v),
-            position(0),
-            position(1),
-            position(2),
-            unit(0),
-            unit(1),
-            unit(2),
-        ]
+        [row(l.texel_from_u), row(l.texel_from_v), position(0), position(1), position(2), unit(0), unit(1), unit(2)]
     }
 }
 

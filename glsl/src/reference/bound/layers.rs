@@ -77,9 +77,7 @@ impl Patch<'_> {
 
     fn layer(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
         match layer.kind {
-            kind::HEIGHT => {
-                along(frame.direction, |cap| self.channel(layer, 0, cap), cap)
-            }
+            kind::HEIGHT => along(frame.direction, |cap| self.channel(layer, 0, cap), cap),
             kind::EXPRESSION => along(frame.direction, |cap| expression::height(self, layer, cap), cap),
             kind::VECTOR_OBJECT => {
                 let one = |k: u64| self.channel(layer, k, cap).curvature;

@@ -65,7 +65,6 @@ fn refusal(edit: impl FnOnce(&mut Value)) -> String {
 /// The undisplaced surface at level 0.
 fn flat(mesh: &Mesh) -> Surface {
     Surface {
-        level: 0,
         positions: mesh.av_gv.iter().map(|&gv| mesh.gv_position[gv as usize]).collect(),
         normals: mesh.av_normal.clone(),
         attributes: mesh.attributes.iter().map(|a| a.values.clone()).collect(),

@@ -1,9 +1,18 @@
 //! How a displacement stretches and turns the triangles of a base mesh.
 
+mod counts;
+mod frame;
+mod walk;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::domain::{mesh::Mesh, report::Stretch, surface::Surface};
+use self::{counts::Counts, frame::Frame, walk::Walk};
+use crate::domain::{
+    mesh::Mesh,
+    report::Stretch,
+    surface::{Layout, Pieces, Surface},
+};
 
 /// Stretch beyond this is told: on a height field it is a slope of 75 degrees, and a texel covers four times its
 /// length.
@@ -70,10 +79,34 @@ impl Strain {
         (self.triangles > 0).then(|| Stretch { p99: self.counts.percentile(0.99).min(max), max })
     }
 
-    /// The inner loop of every report: without closures over arrays, which are not inlined in builds for tests.
     fn add_lot(&mut self, mesh: &Mesh, surface: &Surface, first: usize, triangles: &[[u32; 3]]) {
-        let mut walk = Walk::from(first as u64, surface.level);
-        let mut frame = Frame::of(mesh, walk.base, surface.level);
+        match &surface.layout {
+            Layout::Uniform { level } => self.add_uniform(mesh, surface, *level, first, triangles),
+            Layout::Pieces(pieces) => self.add_pieces(mesh, surface, pieces, first, triangles),
+        }
+    }
+
+    fn add_pieces(&mut self, mesh: &Mesh, surface: &Surface, pieces: &Pieces, first: usize, triangles: &[[u32; 3]]) {
+        let mut base = pieces.base_of(first);
+        let mut frame = Frame::of(mesh, base, 0);
+        for (triangle, ids) in (first..).zip(triangles) {
+            if triangle >= surface.triangles_of(base).end {
+                base = pieces.base_of(triangle);
+                frame = Frame::of(mesh, base, 0);
+            }
+            let [a, b, c] = ids.map(|v| surface.layout.place(mesh, v as usize).within(mesh, base));
+            if let (Some(frame), Some(a), Some(b), Some(c)) = (&frame, a, b, c) {
+                let at = ids.map(|v| surface.positions[v as usize]);
+                let (square, flipped) = frame.of_piece(at.map(exact), [a, b, c]);
+                self.add(square, flipped, Spot { triangle: base as u32, position: at[0] });
+            }
+        }
+    }
+
+    /// The inner loop of every report: without closures over arrays, which are not inlined in builds for tests.
+    fn add_uniform(&mut self, mesh: &Mesh, surface: &Surface, level: u32, first: usize, triangles: &[[u32; 3]]) {
+        let mut walk = Walk::from(first as u64, level);
+        let mut frame = Frame::of(mesh, walk.base, level);
         for &[a, b, c] in triangles {
             if let Some(frame) = &frame {
                 let at = surface.positions[a as usize];
@@ -82,7 +115,7 @@ impl Strain {
                 self.add(square, flipped, Spot { triangle: walk.base as u32, position: at });
             }
             if walk.advance() && walk.base < mesh.triangles.len() {
-                frame = Frame::of(mesh, walk.base, surface.level);
+                frame = Frame::of(mesh, walk.base, level);
             }
         }
     }
@@ -105,150 +138,4 @@ impl Strain {
 #[inline]
 fn exact(p: [f32; 3]) -> DVec3 {
     DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
-}
-
-/// A base triangle with area, prepared for its fine triangles.
-struct Frame {
-    /// From the sides of a fine triangle to derivatives along two unit vectors across each other.
-    inverse: [f64; 3],
-    normal: DVec3,
-}
-
-impl Frame {
-    fn of(mesh: &Mesh, base: usize, level: u32) -> Option<Self> {
-        let place = |av: u32| exact(mesh.gv_position[mesh.av_gv[av as usize] as usize]);
-        let [a, b, c] = mesh.triangles[base].av;
-        let (p, q, r) = (place(a), place(b), place(c));
-        let normal = (q - p).cross(r - p);
-        let along = (q - p).length();
-        let (across, skew) = (normal.length() / along, (q - p).dot(r - p) / along);
-        let segments = (1u64 << level) as f64;
-        let inverse = [segments / along, -segments * skew / (along * across), segments / across];
-        (inverse[0] + inverse[1] + inverse[2]).is_finite().then_some(Self { inverse, normal })
-    }
-
-    /// The square of the stretch, and whether it is flipped. Fine triangles have the corners (i, j), (i + 1, j), (i, j + 1) when
-    /// upright, else (i + 1, j), (i + 1, j + 1), (i, j + 1).
-    #[inline]
-    fn of_fine(&self, [a, b, c]: [DVec3; 3], upright: bool) -> (f64, bool) {
-        let (i, j) = if upright { (b - a, c - a) } else { (b - c, b - a) };
-        let (s, t) = (i * self.inverse[0], i * self.inverse[1] + j * self.inverse[2]);
-        let (ss, st, tt) = (s.dot(s), s.dot(t), t.dot(t));
-        let square = 0.5 * (ss + tt) + (0.25 * (ss - tt) * (ss - tt) + st * st).sqrt();
-        (square, i.cross(j).dot(self.normal) < 0.0)
-    }
-}
-
-/// Goes through the fine triangles in their order: rows of constant j, upright and inverted in turn.
-struct Walk {
-    base: usize,
-    /// Triangles from here to the end of the base triangle.
-    left: u64,
-    /// Of them, those beyond this row: the square of the rows that follow.
-    beyond: u64,
-    segments: u64,
-}
-
-impl Walk {
-    fn from(first: u64, level: u32) -> Self {
-        let segments = 1u64 << level;
-        let all = segments * segments;
-        let left = all - first % all;
-        let rows = (left - 1).isqrt();
-        Self { base: (first / all) as usize, left, beyond: rows * rows, segments }
-    }
-
-    /// A row has one upright triangle more than inverted ones.
-    #[inline]
-    fn upright(&self) -> bool {
-        (self.left - self.beyond) % 2 == 1
-    }
-
-    /// Is the next one in another base triangle?
-    #[inline]
-    fn advance(&mut self) -> bool {
-        self.left -= 1;
-        if self.left == 0 {
-            *self = Self { base: self.base + 1, left: self.segments * self.segments, ..*self };
-            self.beyond = (self.segments - 1) * (self.segments - 1);
-            return true;
-        }
-        if self.left == self.beyond {
-            let rows = self.beyond.isqrt() - 1;
-            self.beyond = rows * rows;
-        }
-        false
-    }
-}
-
-/// How many values lie in each 128th of an octave from 2^-16 to 2^16.
-#[derive(Clone, Debug, PartialEq)]
-struct Counts(Vec<u64>);
-
-impl Default for Counts {
-    fn default() -> Self {
-        Self(vec![0; Self::SIZE])
-    }
-}
-
-impl Counts {
-    const SIZE: usize = 64 << 6;
-    /// f32 bits of 2^-32, the square of the lowest, without the last 17.
-    const LOWEST: usize = 95 << 6;
-
-    #[inline]
-    fn count(&mut self, square: f64) {
-        let bin = ((square as f32).to_bits() >> 17) as usize;
-        self.0[bin.saturating_sub(Self::LOWEST).min(Self::SIZE - 1)] += 1;
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.0.iter_mut().zip(&other.0).for_each(|(own, others)| *own += others);
-    }
-
-    /// The upper end of the bin in which the share `part` of all values is reached; infinite in the last.
-    fn percentile(&self, part: f64) -> f64 {
-        let wanted = (part * self.0.iter().sum::<u64>() as f64).ceil() as u64;
-        let mut sum = 0;
-        let reached = self.0.iter().position(|count| {
-            sum += count;
-            sum >= wanted
-        });
-        let next = reached.map_or(Self::SIZE, |bin| bin + 1);
-        let bits = ((next + Self::LOWEST) as u32) << 17;
-        if next < Self::SIZE { f64::from(f32::from_bits(bits)).sqrt() } else { f64::INFINITY }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_walked_in_order_from_anywhere() {
-        for level in 0..4 {
-            let n = 1u64 << level;
-            let rows = (0..n).flat_map(|j| (0..2 * (n - j) - 1).map(|k| k % 2 == 0));
-            let twice: Vec<bool> = rows.clone().chain(rows).collect();
-            for first in 0..twice.len() {
-                let mut walk = Walk::from(first as u64, level);
-                for (at, &upright) in twice.iter().enumerate().skip(first) {
-                    assert_eq!((walk.upright(), walk.base as u64), (upright, at as u64 / (n * n)), "{level} {at}");
-                    walk.advance();
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn percentiles_are_the_upper_ends_of_their_bins() {
-        let mut counts = Counts::default();
-        (1..=1000).for_each(|k| counts.count((f64::from(k) / 100.0).powi(2)));
-        for part in [0.01, 0.5, 0.99] {
-            let (found, exact) = (counts.percentile(part), 10.0 * part);
-            assert!(found >= exact && found <= exact * 1.008, "{part}: {found}");
-        }
-        counts.count(1e30);
-        assert_eq!(counts.percentile(1.0), f64::INFINITY);
-    }
 }

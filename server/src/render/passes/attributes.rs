@@ -17,9 +17,9 @@ use crate::{
 
 /// The values of one attribute over fine vertices, in successive streams of whole vertices.
 #[derive(Default)]
-pub struct Pieces(Vec<Stream>);
+pub struct Values(Vec<Stream>);
 
-impl Pieces {
+impl Values {
     pub fn read(&self) -> Result<Vec<f32>> {
         let mut streams = self.0.iter();
         let mut values = streams.next().map_or(Ok(Vec::new()), Stream::read)?;
@@ -38,10 +38,10 @@ pub fn record(
     tables: &Tables,
     mesh: &Mesh,
     base: &BaseStreams,
-) -> Result<Vec<Pieces>> {
+) -> Result<Vec<Values>> {
     let one = |attribute: &Attribute| {
         if skin::is_skin(&attribute.semantic) {
-            return Ok(Pieces::default());
+            return Ok(Values::default());
         }
         interpolate(device, recorder, plan, tables, attribute, base)
     };
@@ -55,7 +55,7 @@ fn interpolate(
     tables: &Tables,
     attribute: &Attribute,
     base: &BaseStreams,
-) -> Result<Pieces> {
+) -> Result<Values> {
     let components = attribute.components as u64;
     let limit = PAGE_ELEMENTS * MAX_PAGES;
     if components == 0 || attribute.values.len() as u64 > limit {
@@ -63,10 +63,10 @@ fn interpolate(
         return Err(Error::too_large("mesh", format!("{semantic} holds more than {limit} values")));
     }
     let base_values = Stream::from_slice(device, &attribute.semantic, &attribute.values)?;
-    let mut pieces = Pieces::default();
-    let vertices_of_piece = limit / components;
-    for first in (0..plan.vertices).step_by(vertices_of_piece as usize) {
-        let end = (first + vertices_of_piece).min(plan.vertices);
+    let mut all = Values::default();
+    let vertices_of_stream = limit / components;
+    for first in (0..plan.vertices).step_by(vertices_of_stream as usize) {
+        let end = (first + vertices_of_stream).min(plan.vertices);
         let values = Stream::new(device, &attribute.semantic, 4, (end - first) * components)?;
         for (block, block_first, count) in blocks(tables) {
             let start = first.clamp(block_first, block_first + count);
@@ -87,7 +87,7 @@ fn interpolate(
             ];
             recorder.dispatch(&SHADERS.attributes, stop - start, &params, &streams)?;
         }
-        pieces.0.push(values);
+        all.0.push(values);
     }
-    Ok(pieces)
+    Ok(all)
 }

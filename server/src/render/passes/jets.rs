@@ -27,7 +27,7 @@ pub struct Jets<'a> {
 #[derive(Clone, Debug)]
 pub struct Domain {
     pub block: u32,
-    /// Number of the first sample in its block.
+    /// Number of the first sample in its block; 0 for `PLACES`, where a chunk has its own list.
     pub start: u64,
     pub count: u64,
     /// Details that occur in it, without 0.
@@ -97,6 +97,7 @@ impl Jets<'_> {
             ("seam_sides", &base.seam_sides),
             ("triangle_correction", &base.triangle_correction),
             ("corrections", &base.corrections),
+            ("places", &self.chunk.listed.places),
             ("samples", &self.chunk.samples),
         ];
         Ok(recorder.dispatch(&SHADERS.samples, domain.count, &params, &streams)?)

@@ -39,14 +39,14 @@ pub fn record_analytic(
 }
 
 /// A chunk of vertices of one block and the samples around them.
-struct Part {
-    domain: Domain,
+pub(super) struct Part {
+    pub(super) domain: Domain,
     /// Numbers of the vertices in their block.
-    vertices: Range<u64>,
+    pub(super) vertices: Range<u64>,
 }
 
 impl Part {
-    fn normals(
+    pub(super) fn normals(
         &self,
         recorder: &mut Recorder<'_>,
         tables: &Tables,
@@ -73,6 +73,8 @@ impl Part {
             ("contribution_first", &base.contribution_first),
             ("samples", &chunk.samples),
             ("jets", &chunk.jets),
+            ("place_first", &chunk.listed.place_first),
+            ("place_vertices", &chunk.listed.place_vertices),
             ("normals", &fine.normals),
         ];
         Ok(recorder.dispatch(&SHADERS.normals_analytic, count, &params, &streams)?)

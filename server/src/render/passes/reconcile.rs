@@ -32,6 +32,17 @@ pub fn record(
     pass.interiors(recorder)
 }
 
+/// Corners alone: what `FineStreams::for_normals` needs.
+pub fn record_corners(
+    device: &Arc<Device>,
+    recorder: &mut Recorder<'_>,
+    tables: &Tables,
+    base: &BaseStreams,
+    fine: &FineStreams,
+) -> Result<()> {
+    Pass { device, tables, base, fine }.corners(recorder)
+}
+
 struct Pass<'a> {
     device: &'a Arc<Device>,
     tables: &'a Tables,

@@ -1,10 +1,9 @@
 //! Joints and weights of skinned meshes: indices cannot be interpolated, so the influences of a vertex's
 //! base vertices are merged, and the strongest kept. On the host, for it is rare and made of sorting.
 
-use displace_glsl::{lattice, tables::Tables};
 use rayon::prelude::*;
 
-use crate::domain::mesh::Mesh;
+use crate::domain::{mesh::Mesh, surface::Layout};
 
 /// Influences of one set: JOINTS_n and WEIGHTS_n have four components.
 const PER_SET: usize = 4;
@@ -15,16 +14,16 @@ pub fn is_skin(semantic: &str) -> bool {
 }
 
 /// Fills the entries of `values` (parallel to the mesh's attributes) that hold joints and weights.
-pub fn blend(tables: &Tables, mesh: &Mesh, vertices: u64, values: &mut [Vec<f32>]) {
+pub fn blend(layout: &Layout, mesh: &Mesh, values: &mut [Vec<f32>]) {
     let sets = sets(mesh);
     if sets.is_empty() {
         return;
     }
     let width = 2 * PER_SET * sets.len();
-    let mut merged = vec![0.0f32; vertices as usize * width];
+    let mut merged = vec![0.0f32; layout.vertices(mesh) * width];
     merged.par_chunks_mut(width).enumerate().for_each(|(vertex, out)| {
-        let (av, b) = place(tables, vertex as u64);
-        strongest(&influences(mesh, &sets, av, b), out);
+        let (av, b) = layout.place(mesh, vertex).site(mesh);
+        strongest(&influences(mesh, &sets, av, b.map(|b| b as f32)), out);
     });
     for (k, &(joints, weights)) in sets.iter().enumerate() {
         let pick =
@@ -39,23 +38,6 @@ fn sets(mesh: &Mesh) -> Vec<(usize, usize)> {
     let find =
         |semantic: String| mesh.attributes.iter().position(|a| a.semantic == semantic && a.components == PER_SET);
     (0..).map_while(|n| Some((find(format!("JOINTS_{n}"))?, find(format!("WEIGHTS_{n}"))?))).collect()
-}
-
-/// Base avs and barycentrics of a fine vertex.
-fn place(tables: &Tables, vertex: u64) -> ([u32; 3], [f32; 3]) {
-    let site = |block, index| {
-        let site = displace_glsl::reference::site::Site::of(tables, block, index);
-        (site.av, site.b.to_array().map(|b| b as f32))
-    };
-    let corners = u64::from(tables.lattice.corners);
-    let interiors = corners + u64::from(tables.lattice.edges) * lattice::edge_points(tables.lattice.level);
-    if vertex < corners {
-        site(0, vertex as u32)
-    } else if vertex < interiors {
-        site(1, (vertex - corners) as u32)
-    } else {
-        site(2, (vertex - interiors) as u32)
-    }
 }
 
 /// (joint, weight) of all base vertices, merged by joint.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::geometry::{Sample, counter, kind},
+    layout::geometry::{Sample, TrianglePlace, counter, kind},
     tables::Tables,
 };
 
@@ -102,6 +102,24 @@ impl FineStreams {
         })
     }
 
+    /// For a surface whose positions and triangles are known: `vertices` normals, and what corners are
+    /// reconciled with.
+    pub fn for_normals(device: &Arc<Device>, vertices: u64, tables: &Tables) -> Result<Self> {
+        let empty = |name: &str, bytes| Stream::new(device, name, bytes, 0);
+        let corners = tables.av_normal.len();
+        Ok(Self {
+            base_position_u: empty("base_position_u", VEC4)?,
+            base_direction_v: empty("base_direction_v", VEC4)?,
+            base_normals: empty("base_normals", VEC3)?,
+            base_tangents: empty("base_tangents", VEC4)?,
+            positions: Stream::new(device, "positions", VEC3, corners as u64)?,
+            normals: Stream::new(device, "normals", VEC3, vertices)?,
+            triangles: empty("triangles", VEC3)?,
+            av_correction: Stream::from_slice(device, "av_correction", &vec![[0.0f32; 3]; corners])?,
+            counters: Stream::from_slice(device, "counters", &[0u32; counter::COUNT])?,
+        })
+    }
+
     /// Gives back what only the displacement passes read.
     pub fn release_base(&mut self, device: &Arc<Device>) -> Result<()> {
         self.base_position_u = Stream::new(device, "base_position_u", VEC4, 0)?;
@@ -116,6 +134,7 @@ impl FineStreams {
 pub struct SampleStreams {
     pub samples: Stream,
     pub jets: Stream,
+    pub listed: ListedStreams,
 }
 
 impl SampleStreams {
@@ -123,6 +142,34 @@ impl SampleStreams {
         Ok(Self {
             samples: Stream::new(device, "samples", size_of::<Sample>() as u32, len)?,
             jets: Stream::new(device, "jets", MAT3, len)?,
+            listed: ListedStreams::new(device, &Listed::default())?,
+        })
+    }
+}
+
+/// Vertices of a chunk and where each is looked at, for the block `PLACES`; empty for all others.
+#[derive(Clone, Debug, Default)]
+pub struct Listed {
+    /// Fine numbers.
+    pub vertices: Vec<u32>,
+    /// The first place of each vertex, and the end.
+    pub first: Vec<u32>,
+    pub places: Vec<TrianglePlace>,
+}
+
+/// [`Listed`] on the device.
+pub struct ListedStreams {
+    pub place_vertices: Stream,
+    pub place_first: Stream,
+    pub places: Stream,
+}
+
+impl ListedStreams {
+    pub fn new(device: &Arc<Device>, listed: &Listed) -> Result<Self> {
+        Ok(Self {
+            place_vertices: Stream::from_slice(device, "place_vertices", &listed.vertices)?,
+            place_first: Stream::from_slice(device, "place_first", &listed.first)?,
+            places: Stream::from_slice(device, "places", &listed.places)?,
         })
     }
 }

@@ -12,7 +12,7 @@ use displace_glsl::{
 use rayon::prelude::*;
 
 use super::Work;
-use crate::domain::Result;
+use crate::{domain::Result, render::passes};
 
 /// A mesh that has grown by rounds.
 pub(super) struct Grown {
@@ -32,7 +32,7 @@ impl Work<'_> {
     /// Every triangle within `share` of the tolerance; none where that takes more than `limit` triangles.
     pub(super) fn refine(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
         let mut refined = Refined::of(self.places.base);
-        let mut grown = self.start();
+        let mut grown = self.start()?;
         loop {
             self.job.cancel.check()?;
             self.job.progress.pass("refine", u64::from(grown.rounds), u64::from(grown.rounds) + 1);
@@ -49,34 +49,38 @@ impl Work<'_> {
             }
             refined = refined.split(self.places.base, &marks);
             grown.rounds += 1;
-            self.place(&refined, &mut grown);
+            self.place(&refined, &mut grown)?;
         }
     }
 
     /// The base mesh, displaced.
-    pub(super) fn start(&self) -> Grown {
+    pub(super) fn start(&self) -> Result<Grown> {
         let refined = Refined::of(self.places.base);
         let triangles = refined.triangles.iter().map(Facet::from).collect();
         let mesh = Simplified { vertices: refined.vertices.clone(), positions: Vec::new(), triangles };
         let mut grown = Grown { mesh, rounds: 0, mismatch: self.places.mismatch };
-        self.place(&refined, &mut grown);
-        grown
+        self.place(&refined, &mut grown)?;
+        Ok(grown)
     }
 
     /// Displaces the vertices that are new.
-    fn place(&self, refined: &Refined, grown: &mut Grown) {
+    fn place(&self, refined: &Refined, grown: &mut Grown) -> Result<()> {
         let new = &refined.vertices[grown.mesh.positions.len()..];
         let placed: Vec<_> = new.par_iter().map(|vertex| self.places.vertex(vertex)).collect();
         grown.mismatch = placed.iter().fold(grown.mismatch, |most, (_, mismatch)| most.max(*mismatch));
+        let broken = placed.iter().filter(|(position, _)| !position.as_vec3().is_finite()).count();
         grown.mesh.positions.extend(placed.into_iter().map(|(position, _)| position));
+        passes::check_finite(self.mesh, broken as u64)
     }
 
     /// 1 for each triangle that is to be split; states of new ones are found out.
     fn wanted(&self, refined: &mut Refined, grown: &Grown, share: f64) -> Vec<u32> {
         let mut states = std::mem::take(&mut refined.states);
-        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(|(state, triangle)| {
-            *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
-        });
+        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(
+            |(state, triangle)| {
+                *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
+            },
+        );
         refined.states = states;
         refined.states.iter().map(|state| u32::from(*state == BAD)).collect()
     }

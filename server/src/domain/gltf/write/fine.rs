@@ -3,8 +3,6 @@
 
 use std::ops::Range;
 
-use displace_glsl::lattice::{edge_points, interior_points};
-
 use crate::domain::{
     Error, Result,
     mesh::{Mesh, Primitive},
@@ -24,9 +22,10 @@ pub(super) struct Fine<'a> {
 
 /// Fails when the surface is not one of the mesh: a fault of ours.
 pub(super) fn check(mesh: &Mesh, surface: &Surface) -> Result<()> {
-    let ranges = blocks(mesh, surface.level);
-    let vertices = ranges[2].end;
-    let triangles = mesh.triangles.len() << (2 * surface.level);
+    if let Some(fault) = surface.layout.fault(mesh) {
+        return Err(Error::internal(format!("the surface of mesh '{}': {fault}", mesh.name)));
+    }
+    let (vertices, triangles) = (surface.layout.vertices(mesh), surface.layout.triangles(mesh));
     let blended = |i: usize| is_skin(&mesh.attributes[i].semantic);
     let right = surface.positions.len() == vertices
         && surface.normals.len() == vertices
@@ -47,26 +46,10 @@ pub(super) fn is_skin(semantic: &str) -> bool {
     semantic.starts_with("JOINTS_") || semantic.starts_with("WEIGHTS_")
 }
 
-fn blocks(mesh: &Mesh, level: u32) -> [Range<usize>; 3] {
-    let corners = mesh.av_gv.len();
-    let edges = corners + mesh.ae_av.len() * edge_points(level) as usize;
-    let inner = edges + mesh.triangles.len() * interior_points(level) as usize;
-    [0..corners, corners..edges, edges..inner]
-}
-
 impl<'a> Fine<'a> {
     pub(super) fn new(mesh: &'a Mesh, surface: &'a Surface, index: usize) -> Self {
         let primitive = &mesh.primitives[index];
-        let blocks = blocks(mesh, surface.level);
-        let scaled = |range: &Range<u32>, by: u64, block: usize| {
-            let place = |i: u32| blocks[block].start + i as usize * by as usize;
-            place(range.start)..place(range.end)
-        };
-        let ranges = [
-            scaled(&primitive.avs, 1, 0),
-            scaled(&primitive.aes, edge_points(surface.level), 1),
-            scaled(&primitive.triangles, interior_points(surface.level), 2),
-        ];
+        let ranges = surface.vertices_of(mesh, primitive);
         Self { mesh, surface, primitive, index, ranges }
     }
 
@@ -76,9 +59,7 @@ impl<'a> Fine<'a> {
 
     /// Fine triangles in the numbering of the surface.
     pub(super) fn triangles(&self) -> &'a [[u32; 3]] {
-        let shift = 2 * self.surface.level;
-        &self.surface.triangles
-            [(self.primitive.triangles.start as usize) << shift..(self.primitive.triangles.end as usize) << shift]
+        &self.surface.triangles[self.surface.layout.triangles_of_primitive(self.primitive)]
     }
 
     /// The number of a vertex of the surface within this primitive.
@@ -117,45 +98,9 @@ impl<'a> Fine<'a> {
         }
     }
 
-    /// Where the vertices lie on the base mesh.
-    pub(super) fn stencils(&self) -> Stencils<'_> {
-        let n = 1u32 << self.surface.level;
-        let mut inner = Vec::with_capacity(interior_points(self.surface.level) as usize);
-        for j in 1..n {
-            inner.extend((1..n - j).map(|i| [i, j]));
-        }
-        Stencils { fine: self, n, inner }
-    }
-}
-
-/// Corner avs and barycentric weights of fine vertices.
-pub(super) struct Stencils<'a> {
-    fine: &'a Fine<'a>,
-    n: u32,
-    /// Lattice points inside a triangle, by rank.
-    inner: Vec<[u32; 2]>,
-}
-
-impl Stencils<'_> {
-    /// Weights are exact: multiples of 2^-level. Corners and edge points repeat an av with weight 0.
-    pub(super) fn of(&self, local: usize) -> ([u32; 3], [f32; 3]) {
-        let [corners, edges, _] = &self.fine.ranges;
-        let part = |k: u32| k as f32 / self.n as f32;
-        if local < corners.len() {
-            let av = (corners.start + local) as u32;
-            return ([av; 3], [1.0, 0.0, 0.0]);
-        }
-        let local = local - corners.len();
-        if local < edges.len() {
-            let per_edge = self.n as usize - 1;
-            let ae = self.fine.primitive.aes.start as usize + local / per_edge;
-            let [a, b] = self.fine.mesh.ae_av[ae];
-            let k = (local % per_edge) as u32 + 1;
-            return ([a, b, b], [part(self.n - k), part(k), 0.0]);
-        }
-        let local = local - edges.len();
-        let triangle = self.fine.primitive.triangles.start as usize + local / self.inner.len();
-        let [i, j] = self.inner[local % self.inner.len()];
-        (self.fine.mesh.triangles[triangle].av, [part(self.n - i - j), part(i), part(j)])
+    /// Three base avs and the weights of a vertex of this primitive among them: exact, with 0 where an av is repeated.
+    pub(super) fn site(&self, local: usize) -> ([u32; 3], [f32; 3]) {
+        let (avs, weights) = self.surface.site(self.mesh, self.global(local));
+        (avs, weights.map(|weight| weight as f32))
     }
 }

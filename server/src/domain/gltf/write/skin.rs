@@ -24,14 +24,13 @@ pub(super) fn blend(fine: &Fine<'_>) -> Option<Skin> {
         return None;
     }
     let width = 4 * sets.len();
-    let stencils = fine.stencils();
     let mut joints = vec![0; fine.vertices() * width];
     let mut weights = vec![0.0; fine.vertices() * width];
     joints.par_chunks_mut(width).zip(weights.par_chunks_mut(width)).enumerate().for_each_init(
         Vec::new,
         |influences, (local, (joints, weights))| {
             influences.clear();
-            let (avs, parts) = stencils.of(local);
+            let (avs, parts) = fine.site(local);
             for (av, part) in avs.into_iter().zip(parts).filter(|(_, part)| *part > 0.0) {
                 gather(&sets, av as usize, part, influences);
             }
@@ -75,11 +74,10 @@ pub(super) fn is_identifier(attribute: &Attribute) -> bool {
 
 /// Each fine vertex takes the values of its nearest corner; of equally near ones the first.
 pub(super) fn nearest(fine: &Fine<'_>, attribute: &Attribute) -> Vec<f32> {
-    let stencils = fine.stencils();
     let n = attribute.components;
     let mut values = vec![0.0; fine.vertices() * n];
     values.par_chunks_mut(n).enumerate().for_each(|(local, out)| {
-        let (avs, parts) = stencils.of(local);
+        let (avs, parts) = fine.site(local);
         let best = (1..3).fold(0, |best, k| if parts[k] > parts[best] { k } else { best });
         out.copy_from_slice(&attribute.values[avs[best] as usize * n..][..n]);
     });
@@ -88,9 +86,8 @@ pub(super) fn nearest(fine: &Fine<'_>, attribute: &Attribute) -> Vec<f32> {
 
 /// The base mesh's tangents carried over and turned into the plane of the new normals.
 pub(super) fn carried_tangents(fine: &Fine<'_>) -> Vec<[f32; 4]> {
-    let stencils = fine.stencils();
     let tangent = |local: usize| {
-        let (avs, parts) = stencils.of(local);
+        let (avs, parts) = fine.site(local);
         let corner = |k: usize| Vec4::from(fine.mesh.av_tangent[avs[k] as usize]);
         let sum = corner(0) * parts[0] + corner(1) * parts[1] + corner(2) * parts[2];
         let normal = Vec3::from(fine.surface.normals[fine.global(local)]);
