@@ -24,7 +24,7 @@ use crate::domain::{
     report::Warning,
     request::Compression,
     scene::{Scene, SceneMesh},
-    surface::Surface,
+    surface::{Layout, Surface},
 };
 use document::Kept;
 use fine::Fine;
@@ -117,8 +117,8 @@ fn parts_of<'a>(
     if let Some(grid) = coding.grid {
         collapsed::remove(&mut parts, &grid);
     }
-    // Uniform levels are in an order already that neighbours share.
-    if coding.is_quantized {
+    // Uniform levels come in rows.
+    if coding.is_quantized || matches!(surface.layout, Layout::Pieces(_)) {
         parts.par_iter_mut().for_each(Part::optimize);
     }
     Ok(parts.into_iter().zip(warnings).collect())

@@ -5,7 +5,7 @@ use ::meshopt::{encode_filter_oct, encode_index_buffer, encode_vertex_buffer_lev
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::{Builder, Chunk, Stream};
+use super::{Builder, Chunk};
 use crate::domain::{Error, Result};
 
 pub(in super::super) const NAME: &str = "EXT_meshopt_compression";
