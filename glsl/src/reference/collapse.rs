@@ -2,6 +2,8 @@
 //! base triangle or along their base edge, many at once. Every new triangle keeps the bound, so texture coordinates,
 //! materials and seams stay exact.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::{
@@ -38,6 +40,15 @@ impl From<&RefinedTriangle> for Facet {
 pub struct Candidate {
     pub to: u32,
     pub error: f64,
+}
+
+/// A vertex drawn into another.
+struct Move {
+    to: u32,
+    /// Of the triangles around, those that stay.
+    facets: Vec<Facet>,
+    /// The error is no less.
+    least: f64,
 }
 
 /// Triangles around each vertex, ascending.
@@ -96,20 +107,29 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
         if moving.kind == kind::CORNER || star.is_empty() || star.len() > MOST_AROUND {
             return None;
         }
-        let mut neighbours: Vec<u32> =
-            star.iter().flat_map(|t| self.mesh.triangles[*t as usize].gv).filter(|gv| *gv != vertex).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
+        let mut open: Vec<Move> =
+            self.neighbours(vertex).into_iter().filter_map(|to| self.planned(star, vertex, to)).collect();
+        // What is lost at the vertex itself is quickly known, and never more than what is lost.
+        open.sort_by(|a, b| (a.least, a.to).partial_cmp(&(b.least, b.to)).unwrap_or(Ordering::Equal));
         let mut best: Option<Candidate> = None;
-        for to in neighbours {
-            if self.is_open(star, moving, to) {
-                let most = best.map_or(1.0, |best| best.error);
-                let found = self.error(star, vertex, to, most);
-                best =
-                    found.filter(|error| best.is_none() || *error < most).map(|error| Candidate { to, error }).or(best);
+        for planned in open {
+            let most = best.map_or(1.0, |best| best.error);
+            if planned.least > most || best.is_some() && planned.least == most {
+                break;
             }
+            let found = self.error(&planned, most).filter(|error| best.is_none() || *error < most);
+            best = found.map(|error| Candidate { to: planned.to, error }).or(best);
         }
         best
+    }
+
+    /// Ascending.
+    fn neighbours(&self, vertex: u32) -> Vec<u32> {
+        let around = self.stars.of(vertex).iter().flat_map(|t| self.mesh.triangles[*t as usize].gv);
+        let mut neighbours: Vec<u32> = around.filter(|gv| *gv != vertex).collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours
     }
 
     /// Whether the vertex may go there at all: along its base edge, and with as many triangles vanishing as there are
@@ -132,10 +152,13 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
         self.places.base
     }
 
-    /// The largest error of the triangles around once the vertex is at `to`; none above `most`, or where one would turn
-    /// over.
-    fn error(&self, star: &[u32], vertex: u32, to: u32, most: f64) -> Option<f64> {
-        let mut moved = Vec::with_capacity(star.len());
+    /// What becomes of the triangles around with the vertex at `to`; none where it may not go there, where one would turn
+    /// over, or where the place it leaves would be too far off.
+    fn planned(&self, star: &[u32], vertex: u32, to: u32) -> Option<Move> {
+        if !self.is_open(star, &self.mesh.vertices[vertex as usize], to) {
+            return None;
+        }
+        let mut planned = Move { to, facets: Vec::with_capacity(star.len()), least: 0.0 };
         for t in star {
             let facet = &self.mesh.triangles[*t as usize];
             if facet.gv.contains(&to) {
@@ -146,37 +169,38 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
             if !self.is_upright(&after) || !self.faces_as(facet, &after) {
                 return None;
             }
-            moved.push(after);
+            planned.least = planned.least.max(self.lost(vertex, &after));
+            planned.facets.push(after);
         }
-        if !self.covers(vertex, &moved, most) {
-            return None;
+        (planned.least <= 1.0).then_some(planned)
+    }
+
+    /// How far the place of the vertex is from a triangle that now lies over it, as a share of the tolerance.
+    fn lost(&self, vertex: u32, facet: &Facet) -> f64 {
+        let base = &self.base().triangles[facet.base as usize];
+        let [a, b, c] = self.units(facet, base);
+        let left = barycentrics(&self.mesh.vertices[vertex as usize], base);
+        let shares = [twice_area([left, b, c]), twice_area([a, left, c]), twice_area([a, b, left])];
+        if shares.iter().any(|share| *share < 0) {
+            return 0.0;
         }
+        let whole: i64 = shares.iter().sum();
+        let corners = self.corners(facet);
+        let flat: DVec3 = (0..3).map(|k| corners[k] * (shares[k] as f64 / whole as f64)).sum();
+        flat.distance(self.mesh.positions[vertex as usize]) / (self.tolerance)(corners)
+    }
+
+    /// The largest error of the triangles that come of it; none above `most`.
+    fn error(&self, planned: &Move, most: f64) -> Option<f64> {
         let mut worst = 0.0;
-        for facet in moved {
-            let error = self.error_of(&facet, most);
+        for facet in &planned.facets {
+            let error = self.error_of(facet, most);
             if error > most {
                 return None;
             }
             worst = error.max(worst);
         }
         Some(worst)
-    }
-
-    /// Whether the place the vertex leaves stays within `most` of the tolerance: most that fail, fail there.
-    fn covers(&self, vertex: u32, moved: &[Facet], most: f64) -> bool {
-        moved.iter().all(|facet| {
-            let base = &self.base().triangles[facet.base as usize];
-            let [a, b, c] = self.units(facet, base);
-            let left = barycentrics(&self.mesh.vertices[vertex as usize], base);
-            let shares = [twice_area([left, b, c]), twice_area([a, left, c]), twice_area([a, b, left])];
-            if shares.iter().any(|share| *share < 0) {
-                return true;
-            }
-            let whole: i64 = shares.iter().sum();
-            let corners = self.corners(facet);
-            let flat: DVec3 = (0..3).map(|k| corners[k] * (shares[k] as f64 / whole as f64)).sum();
-            flat.distance(self.mesh.positions[vertex as usize]) <= most * (self.tolerance)(corners)
-        })
     }
 
     /// As a share of the tolerance; anything above `most` where it is above.

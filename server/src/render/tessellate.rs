@@ -154,6 +154,11 @@ impl<'w> Work<'w> {
             let radius = corners.iter().fold(0.0, |most: f64, c| most.max(c.distance(centre)));
             allowed = at(radius + at(radius, centre), centre);
         }
+        self.within(allowed)
+    }
+
+    /// What is left of an allowed distance beside rounding.
+    fn within(&self, allowed: f64) -> f64 {
         (allowed * self.factor - self.rounding).max(0.5 * allowed)
     }
 
@@ -173,7 +178,7 @@ impl<'w> Work<'w> {
     /// With the errors of all triangles, measured anew.
     fn judged(&self, mesh: Simplified, mismatch_max: f64, fit: Fit, times: Vec<PassTime>) -> Tessellated {
         let (worst, all_known) = self.worst(&mesh);
-        let bound_local = worst * self.plan.tolerance_local * self.factor + self.rounding;
+        let bound_local = worst * self.within(self.plan.tolerance_local) + self.rounding;
         let budget_reached = bound_local > self.plan.tolerance_local;
         // Without ramps a seam's sides stay apart from the one place both get.
         let open = if self.places.tables.corrections.is_empty() { mismatch_max } else { 0.0 };
