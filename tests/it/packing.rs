@@ -132,7 +132,7 @@ fn normals_and_texture_coordinates_are_where_they_were() {
         let look = (Vec3::from(surface.normals[v]), uv(&surface.attributes[0], v));
         looks.entry(grid.place(*position)).or_default().push(look);
     }
-    for (compression, most_degrees) in [(Compression::Quantize, 0.002), (Compression::Meshopt, 0.05)] {
+    for (compression, most_degrees) in [(Compression::Quantize, 0.002), (Compression::Meshopt, 0.06)] {
         let back = loaded(&packed(&scene, std::slice::from_ref(&surface), compression).bytes);
         let mesh = &back.meshes[0].mesh;
         let uvs = &mesh.attribute("TEXCOORD_0").expect("it has UVs").values;
@@ -152,8 +152,8 @@ fn packing_is_smaller_each_time_and_gives_the_same_bytes_again() {
     let (scene, surface) = displaced(&meshes::torus(24, 12));
     let bytes = |compression| packed(&scene, std::slice::from_ref(&surface), compression).bytes;
     let [plain, quantized, packed] = [Compression::None, Compression::Quantize, Compression::Meshopt].map(bytes);
-    assert!(quantized.len() * 3 < plain.len() * 2, "{} of {}", quantized.len(), plain.len());
-    assert!(packed.len() * 3 < quantized.len() * 2, "{} of {}", packed.len(), quantized.len());
+    assert!(quantized.len() * 4 < plain.len() * 3, "{} of {}", quantized.len(), plain.len());
+    assert!(packed.len() * 2 < quantized.len(), "{} of {}", packed.len(), quantized.len());
     assert!(quantized == bytes(Compression::Quantize) && packed == bytes(Compression::Meshopt));
     for (bytes, names) in [
         (&quantized, json!(["KHR_mesh_quantization"])),

@@ -12,7 +12,7 @@ use displace_server::{
         detail::{Detail, LayerSource, Map, Sampling, Wrap},
         mesh::Mesh,
         plan::SurfacePlan,
-        request::{Geometry, Normals, SeamRule},
+        request::{Geometry, Normals, Refinement, SeamRule},
         surface::{Layout, Pieces, Place, Shape, Surface},
         weld::{PrimitiveInput, VertexAttribute, weld, with_tangents},
     },
@@ -26,7 +26,7 @@ use displace_tests::{
     device::{self, without_gpu},
     maps,
     meshes::{self, TestMesh},
-    surfaces::{detail, displace, expression, noise_height, uniform},
+    surfaces::{self, detail, displace, expression, noise_height, uniform},
 };
 use glam::Vec3;
 
@@ -61,7 +61,7 @@ struct Case<'a> {
 
 impl<'a> Case<'a> {
     fn new(mesh: &'a Mesh, detail: Option<&Arc<Detail>>, geometry: &Geometry) -> Self {
-        let plan = SurfacePlan::uniform(0, mesh, geometry).expect("fits");
+        let plan = surfaces::plan(mesh, geometry).expect("fits");
         Self { mesh, details: vec![detail.cloned(); mesh.primitives.len()], plan }
     }
 
@@ -109,7 +109,7 @@ fn assert_same(what: &str, pieces: &Surface, uniform: &Surface, slack: &Slack) {
 
 /// Level 0 in the plan of the pieces shows that levels do not matter there.
 fn check(what: &str, mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry) {
-    let base = Case::new(mesh, Some(detail), &Geometry { uniform_level: 0, ..geometry.clone() });
+    let base = Case::new(mesh, Some(detail), &Geometry { refinement: Refinement::Uniform(0), ..geometry.clone() });
     let what = format!("{what} on {}, {geometry:?}", mesh.name);
     let exact = geometry.normals == Normals::Analytic;
     let slack =
