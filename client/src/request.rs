@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, CompressArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg, WrapArg,
-        values::Swizzle,
+        AovArg, CameraArgs, ChannelArg, CompressArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg,
+        WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},

@@ -53,7 +53,8 @@ fn keep(path: &Path, what: &str, bytes: &[u8]) {
 fn assert_round_trip(path: &Path) {
     let name = path.display();
     let scene = open(path).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let written = write(&scene, &surfaces(&scene, 0, false), &Packing::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let written = write(&scene, &surfaces(&scene, 0, false), &Packing::default())
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
     keep(path, "0", &written.bytes);
     let again = reopen(&written);
     assert_eq!(scene.meshes.len(), again.meshes.len(), "{name}");

@@ -1,8 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, packing, seams, strain,
-    work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, packing, seams,
+    strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -52,8 +52,9 @@ impl Work for DisplaceWork {
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
-        let written =
-            inputs::timed(context.progress, "write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces, &packing))?;
+        let written = inputs::timed(context.progress, "write_glb", &mut passes, || {
+            gltf::write(&inputs.scene, &surfaces, &packing)
+        })?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
         report.passes = passes;

@@ -113,7 +113,8 @@ fn parts_of<'a>(
     // A primitive that lost all its triangles stays as the file has it.
     let solid: Vec<usize> = (0..mesh.primitives.len()).filter(|p| !mesh.primitives[*p].triangles.is_empty()).collect();
     let part = |p: usize| Part::new(scene, *gltf_mesh, Fine::new(mesh, surface, p), coding);
-    let (mut parts, warnings): (Vec<_>, Vec<_>) = solid.into_par_iter().map(part).collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    let (mut parts, warnings): (Vec<_>, Vec<_>) =
+        solid.into_par_iter().map(part).collect::<Result<Vec<_>>>()?.into_iter().unzip();
     if let Some(grid) = coding.grid {
         collapsed::remove(&mut parts, &grid);
     }

@@ -13,7 +13,8 @@ use crate::{
     domain::{
         Digest, Error, Result,
         request::{
-            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method, RenderRequest,
+            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method,
+            RenderRequest,
         },
     },
 };

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::document::index_of;
 use crate::domain::{
-    gltf::extensions::refers_to_no_data, grid::Grid, request::Compression, scene::Scene, surface::Surface,
+    gltf::extensions::refers_to_no_data, grid::Grid, mesh::Mesh, request::Compression, scene::Scene, surface::Surface,
 };
 
 /// How a result is packed. The default is f32 throughout.
@@ -59,7 +59,7 @@ pub fn obstacles(scene: &Scene) -> Vec<Option<&'static str>> {
             () => None,
         }
     };
-    let displaced = |mesh: &crate::domain::mesh::Mesh| mesh.primitives.iter().filter(|p| !p.triangles.is_empty()).count();
+    let displaced = |mesh: &Mesh| mesh.primitives.iter().filter(|p| !p.triangles.is_empty()).count();
     scene.meshes.iter().map(|m| of_mesh(m.gltf_mesh, displaced(&m.mesh))).collect()
 }
 
@@ -90,4 +90,50 @@ impl Uses {
 
 fn list<'a>(value: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> {
     value.get(key).and_then(Value::as_array).into_iter().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::domain::{mesh::Primitive, scene::SceneMesh};
+
+    /// One mesh of one displaced primitive, in a file of one plain node.
+    fn obstacle(edit: impl FnOnce(&mut Value)) -> Option<&'static str> {
+        let mut document = json!({
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+            "nodes": [{ "mesh": 0, "children": [1] }, { "camera": 0 }],
+        });
+        edit(&mut document);
+        let primitives = vec![Primitive { triangles: 0..1, ..Primitive::default() }];
+        let mesh = Mesh { primitives, ..Mesh::default() };
+        let scene = Scene { document, meshes: vec![SceneMesh { gltf_mesh: 0, mesh }], ..Scene::default() };
+        obstacles(&scene)[0]
+    }
+
+    #[test]
+    fn nothing_keeps_a_plain_mesh_from_being_quantised() {
+        assert_eq!(obstacle(|_| ()), None);
+        let known = json!(["KHR_lights_punctual", "KHR_materials_ior", "KHR_texture_basisu"]);
+        assert_eq!(obstacle(|d| d["extensionsUsed"] = known), None);
+        assert_eq!(obstacle(|d| d["nodes"][1] = json!({ "skin": 0, "mesh": 1 })), None);
+    }
+
+    #[test]
+    fn what_places_positions_in_another_way_keeps_them_as_they_are() {
+        let instancing = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 1 } } });
+        let reasons = [
+            obstacle(|d| d["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 1 }])),
+            obstacle(|d| d["nodes"][0]["skin"] = json!(0)),
+            obstacle(|d| d["nodes"][0]["extensions"] = instancing),
+            obstacle(|d| d["nodes"] = json!([])),
+            obstacle(|d| d["meshes"][0]["primitives"] = json!([{}, { "mode": 0 }])),
+            obstacle(|d| d["extensionsUsed"] = json!(["VENDOR_colliders"])),
+        ];
+        let told = ["morph", "skin", "instancing", "no node", "not displaced", "extension"];
+        for (reason, told) in reasons.iter().zip(told) {
+            assert!(reason.is_some_and(|reason| reason.contains(told)), "{told}: {reason:?}");
+        }
+    }
 }

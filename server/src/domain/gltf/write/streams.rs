@@ -78,7 +78,8 @@ impl Part<'_> {
     fn write_tangents<'b>(&'b self, builder: &mut Builder<'b>, tangents: &'b [[f32; 4]]) -> usize {
         if !self.has_short_directions() {
             let stream = self.stream(Component::F32, 4);
-            return self.each(builder, stream, |vertex, out| out.copy_from_slice(bytemuck::bytes_of(&tangents[vertex])));
+            return self
+                .each(builder, stream, |vertex, out| out.copy_from_slice(bytemuck::bytes_of(&tangents[vertex])));
         }
         let stream = Stream { is_directions: true, ..self.stream(Component::Snorm16, 4) };
         self.each(builder, stream, |vertex, out| put(tangents[vertex].into_iter().map(snorm), out))
