@@ -4,8 +4,9 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 5] = [
+const PROTOS: [&str; 6] = [
     "displace/v1/common.proto",
+    "displace/v1/tolerance.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/displacement.proto",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use displace_proto::v1::{EstimateResponse, Report, ToleranceUnit, Warning};
+use displace_proto::v1::{EstimateResponse, Fit, Report, ToleranceUnit, Warning};
 use serde_json::{Value, json};
 
 use crate::output::{bytes, count, duration_ms};
@@ -29,12 +29,13 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
         "triangles": report.triangles,
         "vertices": report.vertices,
     });
-    put(&mut value, "tolerance", report.tolerance);
-    put(&mut value, "achieved_tolerance", report.achieved_tolerance);
-    if let Some(accuracy) = &report.accuracy {
-        value["accuracy"] = json!({ "bound": accuracy.bound, "unit": unit(accuracy.unit()).0 });
+    if let Some(fit) = &report.fit {
+        put(&mut value, "tolerance", Some(fit.tolerance));
+        put(&mut value, "achieved_tolerance", Some(fit.achieved_tolerance));
+        let accuracy = fit.accuracy.as_ref();
+        put(&mut value, "accuracy", accuracy.map(|a| json!({ "bound": a.bound, "unit": unit(a.unit()).0 })));
+        put(&mut value, "rounds", Some(fit.rounds));
     }
-    put(&mut value, "rounds", report.rounds);
     if let Some(seams) = &report.seams {
         value["seams"] = json!({ "gap_max": seams.gap_max, "mismatch_max": seams.mismatch_max });
     }
@@ -89,7 +90,7 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
         count(report.triangles_in),
         count(report.vertices)
     );
-    text += &tolerance_words(report);
+    text += &report.fit.as_ref().map(fit_words).unwrap_or_default();
     if let Some(seams) = &report.seams {
         let _ = writeln!(
             text,
@@ -111,19 +112,13 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
     text + &warnings_words(&report.warnings)
 }
 
-fn tolerance_words(report: &Report) -> String {
-    let (Some(asked), Some(kept), Some(accuracy)) = (report.tolerance, report.achieved_tolerance, &report.accuracy)
-    else {
-        return String::new();
-    };
-    let kept = if kept > asked {
-        format!("tolerance {asked:.3e} not kept, but {kept:.3e}")
-    } else {
-        format!("tolerance {asked:.3e} kept")
-    };
+fn fit_words(fit: &Fit) -> String {
+    let (asked, kept) = (fit.tolerance, fit.achieved_tolerance);
+    let accuracy = fit.accuracy.unwrap_or_default();
     let (_, unit) = unit(accuracy.unit());
-    let rounds = report.rounds.unwrap_or_default();
-    format!("{kept}: nothing farther than {:.3e} {unit}, after {rounds} rounds\n", accuracy.bound)
+    let kept = if kept > asked { format!("not kept, but {kept:.3e}") } else { "kept".to_owned() };
+    let rounds = count(fit.rounds.into());
+    format!("tolerance {asked:.3e} {kept}: nothing farther than {:.3e} {unit}, after {rounds} rounds\n", accuracy.bound)
 }
 
 pub(crate) fn warnings_words(warnings: &[Warning]) -> String {
@@ -195,14 +190,9 @@ mod tests {
         );
     }
 
-    fn kept(tolerance: f64, achieved: f64, unit: ToleranceUnit) -> Report {
-        Report {
-            tolerance: Some(tolerance),
-            achieved_tolerance: Some(achieved),
-            accuracy: Some(displace_proto::v1::Accuracy { bound: 0.25, unit: unit.into() }),
-            rounds: Some(17),
-            ..Report::default()
-        }
+    fn kept(tolerance: f64, achieved_tolerance: f64, unit: ToleranceUnit) -> Report {
+        let accuracy = Some(displace_proto::v1::Accuracy { bound: 0.25, unit: unit.into() });
+        Report { fit: Some(Fit { tolerance, achieved_tolerance, accuracy, rounds: 17 }), ..Report::default() }
     }
 
     #[test]

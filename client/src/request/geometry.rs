@@ -51,9 +51,13 @@ fn allowed(args: &GeometryArgs) -> Option<Allowed> {
 }
 
 fn view(view: &View) -> v1::ToleranceView {
-    let look_at =
-        v1::LookAt { eye: view.eye.to_vec(), target: view.look_at.to_vec(), yfov_degrees: Some(view.yfov_degrees) };
-    v1::ToleranceView { look_at: Some(look_at), width: view.size.width, height: view.size.height }
+    v1::ToleranceView {
+        eye: view.eye.to_vec(),
+        target: view.look_at.to_vec(),
+        yfov_degrees: Some(view.yfov_degrees),
+        width: view.size.width,
+        height: view.size.height,
+    }
 }
 
 pub(crate) fn seams(seams: SeamsArg) -> v1::SeamRule {
@@ -103,7 +107,7 @@ mod tests {
         };
         assert_eq!((pixels.tolerance_px, pixels.views.len()), (0.5, 2));
         assert_eq!((pixels.views[1].width, pixels.views[0].height), (32, 48));
-        assert_eq!(pixels.views[1].look_at.as_ref().map(|at| at.eye.clone()), Some(vec![-3.0, 1.0, 0.0]));
+        assert_eq!(pixels.views[1].eye, [-3.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -109,7 +109,8 @@ impl SurfacePlan {
         Ok(plan)
     }
 
-    /// Plans for what keeps a tolerance, with a warning where less is asked for than f32 positions hold.
+    /// Plans for what keeps a tolerance, with a warning where less is asked for than f32 positions hold. Fails with
+    /// `TooLarge` when the base mesh alone has more than [`MOST_TRIANGLES`].
     pub fn within_tolerance(
         index: usize,
         scene: &Scene,
@@ -119,7 +120,15 @@ impl SurfacePlan {
     ) -> Result<(Self, Option<Warning>)> {
         let (fitted, warning) = TolerancePlan::new(scene, index, tolerance, max_triangles)?;
         let mesh = &scene.meshes[index].mesh;
-        Ok((Self::of(index, mesh, TessellationPlan::Tolerance(fitted), geometry), warning))
+        let plan = Self::of(index, mesh, TessellationPlan::Tolerance(fitted), geometry);
+        if plan.triangles > MOST_TRIANGLES {
+            let message = format!(
+                "mesh '{}' has {} triangles; at most {MOST_TRIANGLES} are refined: split the mesh, or give a uniform level",
+                mesh.name, plan.triangles
+            );
+            return Err(Error::too_large("mesh", message));
+        }
+        Ok((plan, warning))
     }
 
     /// With what the lattice of the tessellation makes.

@@ -66,8 +66,8 @@ fn one_thing_alone_says_how_fine_the_result_is() {
     conflict("--uniform 1 --tolerance 1e-3", "--uniform", "--tolerance <SHARE>");
     conflict("--tolerance-world 1 --tolerance 1e-3", "--tolerance-world", "--tolerance <SHARE>");
     conflict("--tolerance-px 1 --view 0,1,3;0,0,0;40;64x48 --uniform 1", "--tolerance-px", "--uniform");
-    conflict("--uniform 1 --quality high", "--quality", "--uniform");
-    conflict("--uniform 1 --error-at texels", "--error-at", "--uniform");
+    conflict("--uniform 1 --quality high", "--uniform", "--quality");
+    conflict("--uniform 1 --error-at texels", "--uniform", "--error-at");
     refused("render MESH -o o.png --exact --tolerance 1e-3", "--exact", &["cannot be used with", "--tolerance"]);
     refused("apply MESH -o o.glb --tolerance-px 1", "--view", &["--view"]);
     refused("apply MESH -o o.glb --view 0,1,3;0,0,0;40;64x48", "--tolerance-px", &["--tolerance-px"]);

@@ -204,9 +204,14 @@ async fn every_part_of_a_tolerance_is_part_of_the_key() {
     use v1::{ErrorAt, Quality, Tolerance, tolerance::Allowed};
     let harness = Harness::start().await;
     let request = harness.request("ok").await;
-    let look_at = v1::LookAt { eye: vec![0.0, 0.0, 3.0], target: vec![0.0; 3], yfov_degrees: None };
-    let view = |width| v1::ToleranceView { look_at: Some(look_at.clone()), width, height: 48 };
-    let pixels = |width| Allowed::Pixels(v1::PixelTolerance { tolerance_px: 1.0, views: vec![view(width)] });
+    let eye = vec![0.0, 0.0, 3.0];
+    let view = v1::ToleranceView { eye, target: vec![0.0; 3], yfov_degrees: None, width: 64, height: 48 };
+    let pixels = |width| {
+        Allowed::Pixels(v1::PixelTolerance {
+            tolerance_px: 1.0,
+            views: vec![v1::ToleranceView { width, ..view.clone() }],
+        })
+    };
     let tolerance = |allowed| Tolerance { allowed: Some(allowed), ..Tolerance::default() };
     let one = tolerance(Allowed::Diagonal(1e-3));
     let tolerances = [

@@ -57,9 +57,8 @@ fn pixels(path: &str, pixels: &v1::PixelTolerance) -> Result<Allowed> {
 }
 
 fn view(path: &str, view: &v1::ToleranceView) -> Result<ToleranceView> {
-    let field = join(path, "look_at");
-    let camera = view.look_at.as_ref().ok_or_else(|| Error::invalid(&field, "is required; give eye and target"))?;
-    let (eye, target, yfov_degrees) = look_at(&field, camera)?;
+    let (eye, target) = (view.eye.clone(), view.target.clone());
+    let (eye, target, yfov_degrees) = look_at(path, &v1::LookAt { eye, target, yfov_degrees: view.yfov_degrees })?;
     let side = |name: &str, pixels: u32| match pixels {
         pixels if SIDE_PIXELS.contains(&pixels) => Ok(pixels),
         _ => Err(out_of_range(&join(path, name), pixels, SIDE_PIXELS, "pixels")),
@@ -92,8 +91,8 @@ mod tests {
     }
 
     fn view() -> v1::ToleranceView {
-        let look_at = v1::LookAt { eye: vec![0.0, 0.0, 3.0], target: vec![0.0; 3], yfov_degrees: None };
-        v1::ToleranceView { look_at: Some(look_at), width: 640, height: 480 }
+        let (eye, target) = (vec![0.0, 0.0, 3.0], vec![0.0; 3]);
+        v1::ToleranceView { eye, target, yfov_degrees: None, width: 640, height: 480 }
     }
 
     fn pixels(tolerance_px: f64, views: Vec<v1::ToleranceView>) -> Result<Allowed> {
@@ -144,10 +143,9 @@ mod tests {
         let with = |bad: v1::ToleranceView| pixels(1.0, vec![view(), bad]);
         refused(with(v1::ToleranceView { width: 0, ..view() }), &field("width"), "1 to 16384");
         refused(with(v1::ToleranceView { height: 16385, ..view() }), &field("height"), "1 to 16384");
-        refused(with(v1::ToleranceView { look_at: None, ..view() }), &field("look_at"), "required");
-        let standing = v1::LookAt { eye: vec![1.0; 3], target: vec![1.0; 3], yfov_degrees: None };
-        let standing = v1::ToleranceView { look_at: Some(standing), ..view() };
-        refused(with(standing), &field("look_at.target"), "is where the camera is");
+        refused(with(v1::ToleranceView { eye: vec![], ..view() }), &field("eye"), "has 0 components");
+        refused(with(v1::ToleranceView { yfov_degrees: Some(180.0), ..view() }), &field("yfov_degrees"), "0.1 to 179");
+        refused(with(v1::ToleranceView { target: view().eye, ..view() }), &field("target"), "is where the camera is");
     }
 
     #[test]

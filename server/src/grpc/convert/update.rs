@@ -4,7 +4,7 @@ use displace_proto::v1::{self, job_update::Update};
 
 use super::{measurement::to_measurement, to_digest};
 use crate::{
-    domain::report::{Accuracy, Comparison, Estimate, PassTime, Report, ToleranceUnit, Warning},
+    domain::report::{Comparison, Estimate, Fitted, PassTime, Report, ToleranceUnit, Warning},
     grpc::status::rpc_status,
     jobs::{Finished, JobEvent},
 };
@@ -49,7 +49,7 @@ fn to_result(finished: &Finished) -> v1::JobResult {
 }
 
 fn to_report(report: &Report) -> v1::Report {
-    let (seams, fitted) = (report.seams.as_ref(), report.fitted.as_ref());
+    let seams = report.seams.as_ref();
     v1::Report {
         method: report.method.clone(),
         triangles_in: report.triangles_in,
@@ -65,20 +65,22 @@ fn to_report(report: &Report) -> v1::Report {
         cached: report.cached,
         comparison: report.comparison.as_ref().map(to_comparison),
         measurement: report.measurement.as_ref().map(to_measurement),
-        tolerance: fitted.map(|fitted| fitted.tolerance),
-        achieved_tolerance: fitted.map(|fitted| fitted.achieved_tolerance),
-        accuracy: fitted.map(|fitted| to_accuracy(fitted.accuracy)),
-        rounds: fitted.map(|fitted| fitted.rounds),
+        fit: report.fitted.as_ref().map(to_fit),
     }
 }
 
-fn to_accuracy(accuracy: Accuracy) -> v1::Accuracy {
-    let unit = match accuracy.unit {
+fn to_fit(fitted: &Fitted) -> v1::Fit {
+    let unit = match fitted.accuracy.unit {
         ToleranceUnit::Diagonal => v1::ToleranceUnit::Diagonal,
         ToleranceUnit::World => v1::ToleranceUnit::World,
         ToleranceUnit::Pixels => v1::ToleranceUnit::Pixels,
     };
-    v1::Accuracy { bound: accuracy.bound, unit: unit.into() }
+    v1::Fit {
+        tolerance: fitted.tolerance,
+        achieved_tolerance: fitted.achieved_tolerance,
+        accuracy: Some(v1::Accuracy { bound: fitted.accuracy.bound, unit: unit.into() }),
+        rounds: fitted.rounds,
+    }
 }
 
 fn to_comparison(comparison: &Comparison) -> v1::Comparison {
