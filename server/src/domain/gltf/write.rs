@@ -1,8 +1,17 @@
 //! Scene and surfaces to one self-contained GLB: displaced primitives get fresh accessors, everything else
 //! of the document stays, and data nobody refers to any more is left out.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `document.rs`, `bounds.rs`, `claims.rs` | what of the document is kept, mended and claimed |
+//! | `fine.rs`, `primitive.rs`, `skin.rs` | one displaced primitive: its part of the surface, tangents, skin |
+//! | `listing.rs`, `collapsed.rs` | its vertices and triangles in the order of the file, without what quantising undid |
+//! | `streams.rs`, `pack.rs` | its accessors; the bytes of the file, plain or compressed |
+//! | `packing.rs`, `dequantize.rs` | which meshes are quantised, and the nodes that take them back |
+//! | `painted.rs` | a file of its own: a mesh painted by a figure |
 
-pub(super) use document::drop_names;
 mod bounds;
+mod claims;
 mod collapsed;
 mod dequantize;
 mod document;
@@ -26,6 +35,7 @@ use crate::domain::{
     scene::{Scene, SceneMesh},
     surface::{Layout, Surface},
 };
+pub(super) use claims::drop_names;
 use document::Kept;
 use fine::Fine;
 use pack::Builder;
@@ -49,7 +59,7 @@ pub fn write(scene: &Scene, surfaces: &[Surface], packing: &Packing) -> Result<W
     let mut warnings = Vec::new();
     let parts = parts(scene, surfaces, packing, &mut warnings)?;
     let mut document = scene.document.clone();
-    document::drop_compression(&mut document);
+    claims::drop_compression(&mut document);
     for part in &parts {
         document::clear_primitive(&mut document, part.gltf_mesh, part.fine.primitive.gltf_primitive);
     }
@@ -69,7 +79,7 @@ pub fn write(scene: &Scene, surfaces: &[Surface], packing: &Packing) -> Result<W
     document["bufferViews"] = Value::Array(std::mem::take(&mut builder.views));
     document["buffers"] = builder.buffers();
     document["asset"]["generator"] = concat!("displaced ", env!("CARGO_PKG_VERSION")).into();
-    document::finish(&mut document);
+    claims::finish(&mut document);
     Ok(Written { bytes: builder.pack(&document)?, warnings })
 }
 
@@ -78,10 +88,10 @@ fn declare(document: &mut Value, scene: &Scene, packing: &Packing, parts: &[Part
     let grids = scene.meshes.iter().enumerate().filter_map(|(i, m)| Some((m.gltf_mesh, packing.grid(i)?)));
     dequantize::insert_nodes(document, &grids.collect());
     if parts.iter().any(Part::needs_quantization) {
-        document::require(document, "KHR_mesh_quantization");
+        claims::require(document, "KHR_mesh_quantization");
     }
     if packing.compression == Compression::Meshopt && !parts.is_empty() {
-        document::require(document, pack::MESHOPT);
+        claims::require(document, pack::MESHOPT);
     }
 }
 

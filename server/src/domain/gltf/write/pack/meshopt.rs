@@ -80,7 +80,7 @@ fn pack(chunk: &Chunk<'_>) -> Result<Option<Packed>> {
 }
 
 fn indices(plain: &[u8], stride: usize) -> ::meshopt::Result<Vec<u8>> {
-    let indices: Vec<u32> = plain.chunks_exact(stride).map(|b| word(b)).collect();
+    let indices: Vec<u32> = plain.chunks_exact(stride).map(word).collect();
     let vertices = indices.iter().max().map_or(0, |most| *most as usize + 1);
     encode_index_buffer(&indices, vertices)
 }
