@@ -17,6 +17,7 @@ mod raster;
 mod refine;
 mod service;
 mod tidy;
+mod tolerance;
 mod vulkan;
 mod warnings;
 mod watertight;

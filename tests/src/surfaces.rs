@@ -10,7 +10,8 @@ use displace_server::{
         expression::Program,
         mesh::Mesh,
         plan::SurfacePlan,
-        request::{Geometry, Normals, Refinement, SeamRule},
+        request::{Geometry, Normals, Refinement, SeamRule, Tolerance},
+        scene::{Instance, Scene, SceneMesh},
         surface::Surface,
         weld::{PrimitiveInput, VertexAttribute, weld, with_tangents},
     },
@@ -113,13 +114,40 @@ pub fn plan(mesh: &Mesh, geometry: &Geometry) -> Result<SurfacePlan> {
     SurfacePlan::uniform(0, mesh, level, geometry)
 }
 
+/// The plan of a tolerance, the mesh being the whole scene.
+///
+/// # Panics
+/// When the scene cannot be planned for.
+#[must_use]
+pub fn tolerance_plan(mesh: &Mesh, tolerance: &Tolerance, geometry: &Geometry) -> SurfacePlan {
+    const PLENTY: u64 = 1 << 20;
+    let far = |best: fn(f32, f32) -> f32, start: f32| {
+        std::array::from_fn(|k| mesh.gv_position.iter().map(|p: &[f32; 3]| p[k]).fold(start, best))
+    };
+    let bounds: [[f32; 3]; 2] = [far(f32::min, f32::INFINITY), far(f32::max, f32::NEG_INFINITY)];
+    let across: f64 = (0..3).map(|k| f64::from(bounds[1][k] - bounds[0][k]).powi(2)).sum();
+    let identity = std::array::from_fn(|k| if k % 5 == 0 { 1.0 } else { 0.0 });
+    let scene = Scene {
+        meshes: vec![SceneMesh { gltf_mesh: 0, mesh: mesh.clone() }],
+        instances: vec![Instance { mesh: 0, world_from_mesh: identity }],
+        diagonal: across.sqrt(),
+        bounds,
+        ..Scene::default()
+    };
+    let most = geometry.max_triangles.unwrap_or(PLENTY);
+    SurfacePlan::within_tolerance(0, &scene, tolerance, geometry, most).expect("a test's plan fits").0
+}
+
 /// Displaces every primitive of `mesh` by the same detail.
 ///
 /// # Panics
 /// When the plan or the execution fails.
 #[must_use]
 pub fn displace(executor: &dyn Executor, mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry) -> Surface {
-    let plan = plan(mesh, geometry).expect("a test's plan fits");
+    let plan = match &geometry.refinement {
+        Refinement::Tolerance(tolerance) => tolerance_plan(mesh, tolerance, geometry),
+        _ => plan(mesh, geometry).expect("a test's plan fits"),
+    };
     let details = vec![Some(Arc::clone(detail)); mesh.primitives.len()];
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
     let (surface, _) = executor.displace(&job, &plan, mesh, &details).expect("a test's surface can be made");

@@ -1,0 +1,55 @@
+//! Results within a tolerance, judged by the oracle's own evaluation of the surface: never farther than allowed, never
+//! cracked, and no more triangles than it takes.
+
+mod cases;
+mod figures;
+mod judge;
+
+use displace_server::{
+    domain::request::{ErrorAt, Geometry, Quality, Refinement, Tolerance},
+    oracle::invariants,
+};
+use displace_tests::{device, surfaces::displace};
+
+use cases::{Case, seeded};
+use judge::farthest;
+
+/// Seeded combinations of meshes, details, seams and tolerances.
+const COMBINATIONS: u64 = 200;
+
+/// What a tolerance asks of the case, as a share of the diagonal.
+fn geometry(case: &Case, quality: Quality) -> Geometry {
+    let tolerance = Tolerance { allowed: case.allowed.clone(), error_at: ErrorAt::Surface, quality };
+    Geometry { refinement: Refinement::Tolerance(tolerance), ..case.geometry.clone() }
+}
+
+/// The distance found by sampling, over the tolerance. The mesh must be whole and the bound hold.
+fn share_of_tolerance(case: &Case, geometry: &Geometry) -> f64 {
+    let surface = displace(&*device::reference(), &case.mesh, &case.detail, geometry);
+    let fit = surface.fit.expect("a tolerance was asked for");
+    assert_eq!(invariants::of_surface(&case.mesh, &surface), [], "{case}");
+    assert_eq!(invariants::largest_gap(&case.mesh, &surface), 0.0, "{case}");
+    let found = farthest(case, &surface);
+    assert!(found <= fit.bound_local, "{case}: {found} is above the bound {}", fit.bound_local);
+    assert!(fit.certified && !fit.budget_reached, "{case}: {fit:?}");
+    found / fit.tolerance_local
+}
+
+#[test]
+fn no_place_of_two_hundred_results_is_farther_than_the_tolerance() {
+    let mut shares: Vec<f64> = Vec::new();
+    for seed in 0..COMBINATIONS {
+        let case = seeded(seed);
+        let share = share_of_tolerance(&case, &geometry(&case, Quality::Normal));
+        assert!(share <= 1.0, "{case}: {share} of the tolerance");
+        shares.push(share);
+    }
+    shares.sort_by(f64::total_cmp);
+    eprintln!(
+        "share of the tolerance: median {:.3}, largest {:.3}",
+        shares[shares.len() / 2],
+        shares[shares.len() - 1]
+    );
+    // A bound far above what is found would waste triangles.
+    assert!(shares[shares.len() / 2] > 0.3, "the median result keeps {} of its tolerance", shares[shares.len() / 2]);
+}
