@@ -114,10 +114,23 @@ pub(crate) enum MethodArg {
     Vector,
 }
 
+/// How a GLB is packed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CompressArg {
+    /// f32 throughout
+    #[default]
+    None,
+    /// 16 bits (KHR_mesh_quantization)
+    Quantize,
+    /// The same, packed (EXT_meshopt_compression)
+    Meshopt,
+}
+
 const APPLY_EXAMPLES: &str = "\
 Examples:
   displace apply wall.glb --height bricks.png --scale 0.05 -o out.glb          within 1/1000 of the diagonal
   displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-4 --quality high -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --compress meshopt -o out.glb
   displace apply wall.glb --height bricks.png --tolerance-px 0.5 --view '0,1,3;0,0,0;40;1920x1080' -o out.glb
   displace apply ball.obj --expr '0.02*sin(20*pi*u)' --uniform 5 -o out.glb
   displace apply rock.gltf --direction dir.png --magnitude mag.png --scale 0.2 --uniform 6 -o out.glb
@@ -140,6 +153,9 @@ pub(crate) struct ApplyArgs {
     /// How the detail is realised [default: vector with vector maps, else displacement]
     #[arg(long, value_enum, help_heading = "Method")]
     pub(crate) method: Option<MethodArg>,
+    /// How the GLB is packed; quantized positions are within half a step of 1/65535 of the mesh's longest side
+    #[arg(long, value_enum, default_value = "none", help_heading = "Output")]
+    pub(crate) compress: CompressArg,
     /// Say triangles, bytes and time; compute nothing
     #[arg(long, help_heading = "Output")]
     pub(crate) dry_run: bool,

@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg, WrapArg,
-        values::Swizzle,
+        AovArg, CameraArgs, ChannelArg, CompressArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg,
+        WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -158,6 +158,14 @@ fn swizzle_text(swizzle: Swizzle) -> String {
         if negative { letter.to_ascii_uppercase() } else { letter }
     };
     swizzle.0.map(letter).iter().collect()
+}
+
+pub(crate) fn compression(compress: CompressArg) -> v1::Compression {
+    match compress {
+        CompressArg::None => v1::Compression::None,
+        CompressArg::Quantize => v1::Compression::Quantize,
+        CompressArg::Meshopt => v1::Compression::Meshopt,
+    }
 }
 
 pub(crate) fn method(method: MethodArg) -> v1::Method {

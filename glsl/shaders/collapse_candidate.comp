@@ -1,5 +1,5 @@
 #version 460
-// The move of each dirty vertex that costs least, of equal ones the one to the first vertex.
+// The move of each listed vertex that costs least, of equal ones the one to the first vertex.
 #include "common.glsl"
 #include "pages.glsl"
 #include "facet.glsl"
@@ -7,12 +7,12 @@
 layout(local_size_x = 64) in;
 
 layout(push_constant, scalar) uniform Params {
-    uint count;      // of dirty vertices
+    uint count;      // of the list
     uint first;      // the number of the first
     float tolerance; // local units
 } params;
 
-PAGED(0, readonly, uint, dirty);
+PAGED(0, readonly, uint, list);
 PAGED(1, readonly, uint, slot_counts);
 PAGED(2, readonly, uint, slot_offsets);
 PAGED(3, readonly, uint, move_to);
@@ -45,7 +45,7 @@ void element(uint i) {
             best = Candidate(to, error);
         }
     }
-    STORE(candidates, LOAD(dirty, params.first + i), best);
+    STORE(candidates, LOAD(list, params.first + i), best);
 }
 
 #include "batch.glsl"

@@ -10,12 +10,12 @@ layout(local_size_x = 64) in;
 
 layout(push_constant, scalar) uniform Params {
     uint count; // triangles
-    uint first; // the number of the first dirty vertex
+    uint first; // the number of the first vertex in the list
 } params;
 
 PAGED(3, readonly, RefinedVertex, vertices);
 PAGED(4, readonly, RefineBase, bases);
-PAGED(5, readonly, uint, dirty);
+PAGED(5, readonly, uint, list);
 PAGED(6, readonly, uvec2, slots);
 PAGED(7, readonly, uint, move_to);
 PAGED(8, readonly, uvec2, places); // slot, and which of its triangles
@@ -27,7 +27,7 @@ uvec2 place_of(const uint vertex, const RefineBase base) {
 
 void element(uint i) {
     uvec2 place = LOAD(places, i);
-    uint vertex = LOAD(dirty, params.first + LOAD(slots, place.x).x);
+    uint vertex = LOAD(list, params.first + LOAD(slots, place.x).x);
     uint to = LOAD(move_to, place.x);
     uint first = LOAD(star_first, vertex);
     uint left = place.y;

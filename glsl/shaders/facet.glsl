@@ -5,10 +5,11 @@ struct Facet {
     uint base;
 };
 
-// Where a vertex would go, and the largest error of the triangles that come of it, local units.
+// What is known of drawing a vertex into a neighbour.
 struct Candidate {
-    uint to; // or NOWHERE
-    float error;
+    uint to;     // the neighbour that costs least; NOWHERE: it may not go; UNSURE: any way costs at least the error
+    float error; // the largest of the triangles that come of it, local units
 };
 
 const uint NOWHERE = 0xffffffffu;
+const uint UNSURE = 0xfffffffeu;

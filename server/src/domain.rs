@@ -10,6 +10,7 @@ pub mod error;
 pub mod expression;
 pub mod fit;
 pub mod gltf;
+pub mod grid;
 pub mod image;
 pub mod look;
 pub mod maps;

@@ -17,6 +17,7 @@ mod job;
 mod key;
 mod measure;
 mod owner;
+mod packing;
 mod plans;
 mod registry;
 mod render;

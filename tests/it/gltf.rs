@@ -7,7 +7,7 @@ use bytes::Bytes;
 use displace_server::{
     domain::{
         Error, ErrorKind,
-        gltf::{Limits, Written, load, write},
+        gltf::{Limits, Packing, Written, load, write},
         mesh::Mesh,
         scene::Scene,
         surface::Surface,
@@ -53,7 +53,8 @@ fn keep(path: &Path, what: &str, bytes: &[u8]) {
 fn assert_round_trip(path: &Path) {
     let name = path.display();
     let scene = open(path).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let written = write(&scene, &surfaces(&scene, 0, false)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let written = write(&scene, &surfaces(&scene, 0, false), &Packing::default())
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
     keep(path, "0", &written.bytes);
     let again = reopen(&written);
     assert_eq!(scene.meshes.len(), again.meshes.len(), "{name}");
@@ -108,7 +109,7 @@ fn assert_displaces(path: &Path) {
     let name = path.display();
     let scene = open(path).unwrap_or_else(|error| panic!("{name}: {error}"));
     let surfaces = surfaces(&scene, 2, true);
-    let written = write(&scene, &surfaces).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let written = write(&scene, &surfaces, &Packing::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
     keep(path, "2", &written.bytes);
     let triangles: usize = scene.meshes.iter().map(|m| m.mesh.triangles.len() * 16).sum();
     let parts = glb::read(&written.bytes);
@@ -182,7 +183,7 @@ fn every_model_of_the_corpus_gets_the_answer_it_deserves() {
 #[test]
 fn tangents_made_for_a_normal_map_run_along_u_with_the_bitangent_up_the_image() {
     let scene = open(&sample("models/TwoSidedPlane/TwoSidedPlane.gltf")).expect("loads");
-    let written = write(&scene, &surfaces(&scene, 2, false)).expect("writes");
+    let written = write(&scene, &surfaces(&scene, 2, false), &Packing::default()).expect("writes");
     let again = reopen(&written);
     let mesh = &again.meshes[0].mesh;
     let uvs = mesh.attribute("TEXCOORD_0").expect("has UVs");

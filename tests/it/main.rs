@@ -10,6 +10,7 @@ mod measure;
 mod oracle;
 mod oracle_image;
 mod oracle_rays;
+mod packing;
 mod passes;
 mod pieces;
 mod raster;

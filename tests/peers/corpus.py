@@ -3,14 +3,16 @@
     corpus.py --displace BIN --corpus DIR --height MAP [--out DIR] [--only TEXT]
 
 Each model the corpus accepts goes through `apply --expr`, `apply --height` where it has UVs, and
-`render`. Each GLB that comes out must pass gltf-validator with no error and load in three.js and trimesh
-with the same number of triangles. Each model the corpus rejects must be refused with exit code 2 and a
+`render`. The first is done again with `--compress quantize` and `--compress meshopt`. Each GLB that comes
+out must pass gltf-validator with no error and load in three.js and trimesh with the same number of
+triangles; compressed, in three.js in the same box. trimesh reads no meshopt. Each model the corpus rejects must be refused with exit code 2 and a
 sentence. Prints a Markdown table; exits 1 when a row is bad. Needs `npm ci` in this folder, and the
 packages of requirements.txt in the Python that runs it.
 """
 
 import argparse
 import json
+import math
 import struct
 import subprocess
 import sys
@@ -22,6 +24,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 TIMEOUT_SECS = 120
 EXPRESSION = "0.5*sin(20*pi*x)"
+COMPRESSED = ("quantize", "meshopt")
+# Of the diagonal, what 16 bits may move the sides of a box and more.
+BOX_TOLERANCE = 1e-4
 
 
 @dataclass
@@ -114,6 +119,10 @@ def check_model(options, row: Row, path: Path, stem: str) -> None:
             row.notes.append(f"expr: neither accepted nor refused cleanly: exit {done.returncode} {last_line(done)}")
         return
     expect_success(row, "expr", expr, out / f"{stem}.expr.glb")
+    for kind in COMPRESSED:
+        packed = out / f"{stem}.{kind}.glb"
+        # The device that needs no start: how a file is packed is not its business.
+        expect_success(row, kind, [*expr[:-1], str(packed), "--compress", kind, "--device", "reference"], packed)
     primitives = triangle_primitives(document(path))
     with_uv = [p for p in primitives if "TEXCOORD_0" in p["attributes"]]
     height = [displace, "apply", str(path), "--height", str(options.height), "--scale", "0.1", "--uniform", "2", "-o", str(out / f"{stem}.height.glb")]
@@ -134,17 +143,32 @@ def read_back(command: list[str], files: list[Path]) -> dict[str, dict]:
 def check_results(rows: list[Row]) -> None:
     files = [glb for row in rows for glb in row.glbs]
     # A sound file may hold no mesh at all; trimesh loads meshes only.
-    with_meshes = [glb for glb in files if document(glb).get("meshes")]
+    with_meshes = [glb for glb in files if document(glb).get("meshes") and kind_of(glb) != "meshopt"]
     validator = read_back(["node", "validate.mjs"], files)
     three = read_back(["node", "load_three.mjs"], files)
     trimesh = read_back([sys.executable, "load_trimesh.py"], with_meshes)
     for row in rows:
         for glb in row.glbs:
-            judge(row, glb, validator[str(glb)], three[str(glb)], trimesh.get(str(glb), {"triangles": 0}))
+            plain = three[str(glb.with_suffix("").with_suffix(".expr.glb"))] if kind_of(glb) in COMPRESSED else None
+            # What trimesh does not read, three.js alone counts.
+            counted = trimesh.get(str(glb), three[str(glb)] if kind_of(glb) == "meshopt" else {"triangles": 0})
+            judge(row, glb, validator[str(glb)], three[str(glb)], counted)
+            if plain and "box" in plain:
+                judge_box(row, kind_of(glb), plain["box"], three[str(glb)].get("box"))
+
+
+def kind_of(glb: Path) -> str:
+    return glb.suffixes[-2].lstrip(".")
+
+
+def judge_box(row: Row, kind: str, expected: list, found: list | None) -> None:
+    allowed = BOX_TOLERANCE * math.dist(*expected)
+    if not found or any(abs(a - b) > allowed for p, q in zip(expected, found) for a, b in zip(p, q)):
+        row.notes.append(f"{kind}: three's box is {found}, not {expected}")
 
 
 def judge(row: Row, glb: Path, validator: dict, three: dict, trimesh: dict) -> None:
-    kind = glb.suffixes[-2].lstrip(".")
+    kind = kind_of(glb)
     row.errors = validator["errors"] + (row.errors if isinstance(row.errors, int) else 0)
     if validator["errors"]:
         row.notes.append(f"{kind}: {validator['first']}")
@@ -157,10 +181,10 @@ def judge(row: Row, glb: Path, validator: dict, three: dict, trimesh: dict) -> N
 
 
 def print_table(rows: list[Row]) -> None:
-    print("| model | expect | exit (expr, height, render) | validator errors | three.js triangles | trimesh triangles | verdict |")
+    print("| model | expect | exit (expr, quantize, meshopt, height, render) | validator errors | three.js triangles | trimesh triangles | verdict |")
     print("|---|---|---|---|---|---|---|")
     for row in rows:
-        exits = ", ".join(str(row.exits.get(name, "-")) for name in ("expr", "height", "render"))
+        exits = ", ".join(str(row.exits.get(name, "-")) for name in ("expr", *COMPRESSED, "height", "render"))
         verdict = "; ".join(row.notes).replace("|", "\\|") or "ok"
         print(f"| {row.model} | {row.expect} | {exits} | {row.errors} | {row.three} | {row.trimesh} | {verdict} |")
 

@@ -1,8 +1,9 @@
 // Loads the GLBs named on the command line with three.js, as a page does but without a screen.
-// One JSON line each: {file, triangles, error}. Images are not decoded here (Node has no decoder), but
+// One JSON line each: {file, triangles, box, error}; the box is that of all scenes, its lowest corner and its highest. Images are not decoded here (Node has no decoder), but
 // their bytes must be there and begin as their media type says.
 import { readFileSync } from "node:fs";
-import { Texture } from "three";
+import { Box3, Texture } from "three";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 globalThis.self = globalThis;
@@ -42,23 +43,25 @@ const trianglesOf = (object) => {
 
 async function load(file) {
   const bytes = readFileSync(file);
-  const loader = new GLTFLoader().register(imageCheck);
+  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register(imageCheck);
   const gltf = await loader.parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), "");
   let triangles = 0;
+  const box = new Box3();
   for (const scene of gltf.scenes) {
     scene.updateMatrixWorld(true);
+    box.expandByObject(scene);
     scene.traverse((object) => {
       if (object.isMesh) triangles += trianglesOf(object);
     });
   }
-  return triangles;
+  return { triangles, box: box.isEmpty() ? undefined : [box.min.toArray(), box.max.toArray()] };
 }
 
 // three.js warns of what it cannot show; the table is about what it cannot load.
 console.warn = () => {};
 for (const file of process.argv.slice(2)) {
   try {
-    console.log(JSON.stringify({ file, triangles: await load(file) }));
+    console.log(JSON.stringify({ file, ...(await load(file)) }));
   } catch (error) {
     console.log(JSON.stringify({ file, error: String(error) }));
   }

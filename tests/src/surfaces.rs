@@ -120,7 +120,7 @@ pub fn plan(mesh: &Mesh, geometry: &Geometry) -> Result<SurfacePlan> {
 /// When the scene cannot be planned for.
 #[must_use]
 pub fn tolerance_plan(mesh: &Mesh, tolerance: &Tolerance, geometry: &Geometry) -> SurfacePlan {
-    const PLENTY: u64 = 1 << 20;
+    const PLENTY: u64 = 1 << 13;
     let far = |best: fn(f32, f32) -> f32, start: f32| {
         std::array::from_fn(|k| mesh.gv_position.iter().map(|p: &[f32; 3]| p[k]).fold(start, best))
     };

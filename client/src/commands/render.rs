@@ -10,7 +10,7 @@ use super::{
     surface::{Outcome, Surface, save},
 };
 use crate::{
-    args::{MethodArg, RenderArgs},
+    args::{CompressArg, MethodArg, RenderArgs},
     error::{Error, Result},
     jobs::{self, Job},
     options,
@@ -64,7 +64,8 @@ fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
     if !args.exact {
         options::require_refinement(&args.geometry, method)?;
     }
-    Ok(Surface { mesh: args.mesh.clone(), groups, geometry: args.geometry.clone(), look: args.look.clone(), method })
+    let (mesh, geometry, look) = (args.mesh.clone(), args.geometry.clone(), args.look.clone());
+    Ok(Surface { mesh, groups, geometry, look, method, compress: CompressArg::None })
 }
 
 fn format(path: &Path) -> Result<ImageFormat> {

@@ -6,7 +6,7 @@ use displace_proto::v1::{DisplaceRequest, JobResult, Output, Report};
 
 use super::{Session, blocking};
 use crate::{
-    args::{GeometryArgs, LookArgs, MethodArg},
+    args::{CompressArg, GeometryArgs, LookArgs, MethodArg},
     connection::Connection,
     error::{Error, Result},
     options::MaterialGroup,
@@ -24,6 +24,7 @@ pub(super) struct Surface {
     pub(super) geometry: GeometryArgs,
     pub(super) look: LookArgs,
     pub(super) method: MethodArg,
+    pub(super) compress: CompressArg,
 }
 
 /// What a job left behind.
@@ -64,6 +65,7 @@ impl Surface {
             look: parcel.look(&self.look)?,
             fresh,
             linger_secs: None,
+            compression: request::compression(self.compress).into(),
         };
         Ok((message, parcel))
     }

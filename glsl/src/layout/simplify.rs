@@ -8,11 +8,11 @@ mirrors! {
         pub base: u32,
     }
 
-    /// Where a vertex would go, and the largest error of the triangles that come of it.
+    /// What is known of drawing a vertex into a neighbour.
     pub struct Candidate {
-        /// Or [`NOWHERE`].
+        /// [`NOWHERE`]: it may not go; one less: any way costs at least the error.
         pub to: u32,
-        /// Local units.
+        /// The largest of the triangles that come of it, local units.
         pub error: f32,
     }
 
@@ -53,6 +53,11 @@ mirrors! {
         pub count: u32,
         pub first: u32,
         pub tolerance: f32,
+    }
+
+    pub struct CollapseEstimateParams {
+        pub count: u32,
+        pub first: u32,
     }
 
     pub struct CollapsePlacesParams {

@@ -20,15 +20,19 @@ pub struct Asked {
     pub at_texels: bool,
 }
 
-/// The largest distance anywhere on the triangle with these corners in base triangle t; where that exceeds `cap`, anything
-/// above `cap`.
+/// How much an expression's bound may be above the truth, as a share of the tolerance.
+const RESOLUTION: f64 = 1.0 / 16.0;
+
+/// The largest distance anywhere on the triangle with these corners in base triangle t, as a share of `tolerance`; where
+/// that exceeds `most`, anything above `most`.
 #[must_use]
-pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], cap: f64) -> f64 {
+pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tolerance: f64, most: f64) -> f64 {
     let triangle = &places.tables.base_triangles[t as usize];
-    let patch = layers::Patch { places, asked, av: triangle.av, detail: triangle.detail, corners };
+    let (resolution, cap) = (RESOLUTION * tolerance, most * tolerance);
+    let patch = layers::Patch { places, asked, av: triangle.av, detail: triangle.detail, corners, resolution };
     let own = patch.bound(cap);
     if own > cap || places.tables.correction(t).is_none() {
-        return own;
+        return own / tolerance;
     }
-    own + ramps::bound(places, asked, t, corners, cap - own)
+    (own + ramps::bound(&patch, t, cap - own)) / tolerance
 }

@@ -9,9 +9,9 @@ use glam::DVec3;
 use super::{
     bound::{Asked, bound},
     place::{Places, share_of},
-    refine::{Base, barycentrics},
+    refine::barycentrics,
 };
-use crate::layout::refine::{RefineBase, RefinedTriangle, RefinedVertex, kind};
+use crate::layout::refine::{RefinedTriangle, RefinedVertex, kind};
 
 /// A refined mesh being simplified.
 #[derive(Clone, Debug, Default)]
@@ -35,11 +35,36 @@ impl From<&RefinedTriangle> for Facet {
     }
 }
 
-/// Where a vertex would go, and the largest error of the triangles that come of it, as a share of the tolerance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
-    pub to: u32,
-    pub error: f64,
+/// What is known of drawing a vertex into a neighbour; errors are shares of the tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Candidate {
+    /// It may not go anywhere.
+    #[default]
+    None,
+    /// Any way costs at least this.
+    AtLeast { error: f64 },
+    /// The largest error of the triangles that come of drawing it there, the way that costs least.
+    To { vertex: u32, error: f64 },
+}
+
+impl Candidate {
+    /// No less than what is known.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::AtLeast { error } | Self::To { error, .. } => Some(*error),
+        }
+    }
+}
+
+/// A triangle at a vertex, which is its first corner.
+struct Around {
+    facet: Facet,
+    /// Barycentrics in its base triangle.
+    units: [[u32; 3]; 3],
+    /// Displaced.
+    corners: [DVec3; 3],
 }
 
 /// A vertex drawn into another.
@@ -89,105 +114,108 @@ impl Stars {
 }
 
 /// Everything a candidate is judged by.
-pub struct Judge<'j, T> {
+pub struct Judge<'j> {
     pub places: &'j Places<'j>,
     pub asked: Asked,
     pub mesh: &'j Simplified,
     pub stars: &'j Stars,
     /// What a triangle with these displaced corners may be off by.
-    pub tolerance: T,
+    pub tolerance: &'j (dyn Fn([DVec3; 3]) -> f64 + Sync),
 }
 
-impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
+impl Judge<'_> {
+    /// What is quickly known: what is lost at the vertex itself.
+    #[must_use]
+    pub fn estimate(&self, vertex: u32) -> Candidate {
+        self.moves(vertex).first().map_or(Candidate::None, |first| Candidate::AtLeast { error: first.least })
+    }
+
     /// The neighbour that costs least, of equal ones the first.
     #[must_use]
-    pub fn candidate(&self, vertex: u32) -> Option<Candidate> {
-        let star = self.stars.of(vertex);
-        let moving = &self.mesh.vertices[vertex as usize];
-        if moving.kind == kind::CORNER || star.is_empty() || star.len() > MOST_AROUND {
-            return None;
-        }
-        let mut open: Vec<Move> =
-            self.neighbours(vertex).into_iter().filter_map(|to| self.planned(star, vertex, to)).collect();
-        // What is lost at the vertex itself is quickly known, and never more than what is lost.
-        open.sort_by(|a, b| (a.least, a.to).partial_cmp(&(b.least, b.to)).unwrap_or(Ordering::Equal));
-        let mut best: Option<Candidate> = None;
-        for planned in open {
-            let most = best.map_or(1.0, |best| best.error);
+    pub fn candidate(&self, vertex: u32) -> Candidate {
+        let mut best: Option<(u32, f64)> = None;
+        for planned in self.moves(vertex) {
+            let most = best.map_or(1.0, |(_, error)| error);
             if planned.least > most || best.is_some() && planned.least == most {
                 break;
             }
             let found = self.error(&planned, most).filter(|error| best.is_none() || *error < most);
-            best = found.map(|error| Candidate { to: planned.to, error }).or(best);
+            best = found.map(|error| (planned.to, error)).or(best);
         }
-        best
+        best.map_or(Candidate::None, |(vertex, error)| Candidate::To { vertex, error })
     }
 
-    /// Ascending.
-    fn neighbours(&self, vertex: u32) -> Vec<u32> {
-        let around = self.stars.of(vertex).iter().flat_map(|t| self.mesh.triangles[*t as usize].gv);
-        let mut neighbours: Vec<u32> = around.filter(|gv| *gv != vertex).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
-        neighbours
+    /// The ways it may go, the one that loses least at the vertex itself first.
+    fn moves(&self, vertex: u32) -> Vec<Move> {
+        let star = self.stars.of(vertex);
+        if self.mesh.vertices[vertex as usize].kind == kind::CORNER || star.is_empty() || star.len() > MOST_AROUND {
+            return Vec::new();
+        }
+        let star: Vec<Around> = star.iter().map(|t| self.around_vertex(*t, vertex)).collect();
+        let mut moves: Vec<Move> =
+            neighbours(&star).into_iter().filter_map(|to| self.planned(&star, vertex, to)).collect();
+        moves.sort_by(|a, b| (a.least, a.to).partial_cmp(&(b.least, b.to)).unwrap_or(Ordering::Equal));
+        moves
+    }
+
+    fn around_vertex(&self, t: u32, vertex: u32) -> Around {
+        let facet = self.mesh.triangles[t as usize];
+        let k = facet.gv.iter().position(|gv| *gv == vertex).unwrap_or(0);
+        self.around(Facet { gv: [facet.gv[k], facet.gv[(k + 1) % 3], facet.gv[(k + 2) % 3]], ..facet })
+    }
+
+    fn around(&self, facet: Facet) -> Around {
+        Around { facet, units: self.units(&facet), corners: self.corners(&facet) }
     }
 
     /// Whether the vertex may go there at all: along its base edge, and with as many triangles vanishing as there are
     /// sheets around.
-    fn is_open(&self, star: &[u32], moving: &RefinedVertex, to: u32) -> bool {
+    fn is_open(&self, star: &[Around], moving: &RefinedVertex, to: u32) -> bool {
         let target = &self.mesh.vertices[to as usize];
-        let shared = star.iter().filter(|t| self.mesh.triangles[**t as usize].gv.contains(&to)).count();
+        let shared = star.iter().filter(|around| around.facet.gv.contains(&to)).count();
         if moving.kind == kind::INTERIOR {
             return shared == 2;
         }
         let along = match target.kind {
-            kind::CORNER => self.base().edges[moving.owner as usize].contains(&target.owner),
+            kind::CORNER => self.places.base.edges[moving.owner as usize].contains(&target.owner),
             kind::EDGE => target.owner == moving.owner,
             _ => false,
         };
-        along && shared == sheets(self.mesh, star)
-    }
-
-    fn base(&self) -> &Base {
-        self.places.base
+        along && shared == sheets(star)
     }
 
     /// What becomes of the triangles around with the vertex at `to`; none where it may not go there, where one would turn
     /// over, or where the place it leaves would be too far off.
-    fn planned(&self, star: &[u32], vertex: u32, to: u32) -> Option<Move> {
+    fn planned(&self, star: &[Around], vertex: u32, to: u32) -> Option<Move> {
         if !self.is_open(star, &self.mesh.vertices[vertex as usize], to) {
             return None;
         }
         let mut planned = Move { to, facets: Vec::with_capacity(star.len()), least: 0.0 };
-        for t in star {
-            let facet = &self.mesh.triangles[*t as usize];
-            if facet.gv.contains(&to) {
-                continue;
-            }
-            let gv = facet.gv.map(|gv| if gv == vertex { to } else { gv });
-            let after = Facet { gv, ..*facet };
-            if !self.is_upright(&after) || !self.faces_as(facet, &after) {
+        for around in star.iter().filter(|around| !around.facet.gv.contains(&to)) {
+            let [_, b, c] = around.facet.gv;
+            let after = self.around(Facet { gv: [to, b, c], ..around.facet });
+            if twice_area(after.units) <= 0 || !self.faces_as(around, &after) {
                 return None;
             }
-            planned.least = planned.least.max(self.lost(vertex, &after));
-            planned.facets.push(after);
+            planned.least = planned.least.max(self.lost(around, &after));
+            planned.facets.push(after.facet);
         }
         (planned.least <= 1.0).then_some(planned)
     }
 
     /// How far the place of the vertex is from a triangle that now lies over it, as a share of the tolerance.
-    fn lost(&self, vertex: u32, facet: &Facet) -> f64 {
-        let base = &self.base().triangles[facet.base as usize];
-        let [a, b, c] = self.units(facet, base);
-        let left = barycentrics(&self.mesh.vertices[vertex as usize], base);
-        let shares = [twice_area([left, b, c]), twice_area([a, left, c]), twice_area([a, b, left])];
-        if shares.iter().any(|share| *share < 0) {
+    fn lost(&self, before: &Around, after: &Around) -> f64 {
+        let [a, b, c] = after.units;
+        let left = before.units[0];
+        let (beyond_b, beyond_c) = (twice_area([a, left, c]), twice_area([a, b, left]));
+        if beyond_b < 0 || beyond_c < 0 {
             return 0.0;
         }
-        let whole: i64 = shares.iter().sum();
-        let corners = self.corners(facet);
-        let flat: DVec3 = (0..3).map(|k| corners[k] * (shares[k] as f64 / whole as f64)).sum();
-        flat.distance(self.mesh.positions[vertex as usize]) / (self.tolerance)(corners)
+        let at_a = twice_area([left, b, c]);
+        let whole = (at_a + beyond_b + beyond_c) as f64;
+        let shares = [at_a, beyond_b, beyond_c].map(|share| share as f64 / whole);
+        let flat: DVec3 = (0..3).map(|k| after.corners[k] * shares[k]).sum();
+        flat.distance(before.corners[0]) / (self.tolerance)(after.corners)
     }
 
     /// The largest error of the triangles that come of it; none above `most`.
@@ -206,33 +234,53 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
     /// As a share of the tolerance; anything above `most` where it is above.
     #[must_use]
     pub fn error_of(&self, facet: &Facet, most: f64) -> f64 {
-        let base = &self.base().triangles[facet.base as usize];
-        let corners = self.units(facet, base).map(share_of);
+        let corners = self.units(facet).map(share_of);
         let tolerance = (self.tolerance)(self.corners(facet));
-        bound(self.places, self.asked, facet.base, corners, tolerance * most) / tolerance
+        bound(self.places, self.asked, facet.base, corners, tolerance, most)
     }
 
     fn corners(&self, facet: &Facet) -> [DVec3; 3] {
         facet.gv.map(|gv| self.mesh.positions[gv as usize])
     }
 
-    fn units(&self, facet: &Facet, base: &RefineBase) -> [[u32; 3]; 3] {
+    fn units(&self, facet: &Facet) -> [[u32; 3]; 3] {
+        let base = &self.places.base.triangles[facet.base as usize];
         facet.gv.map(|gv| barycentrics(&self.mesh.vertices[gv as usize], base))
     }
 
-    pub(super) fn is_upright(&self, facet: &Facet) -> bool {
-        twice_area(self.units(facet, &self.base().triangles[facet.base as usize])) > 0
+    /// Whether a triangle may take the place of another: it runs the same way in its base triangle, and faces as that
+    /// does or nearly as the old one did.
+    pub(super) fn may_follow(&self, before: &Facet, after: &Facet) -> bool {
+        let [before, after] = [before, after].map(|facet| self.around(*facet));
+        twice_area(after.units) > 0 && self.faces_as(&before, &after)
     }
 
-    /// A new triangle faces as its base does, or nearly as the old one did.
-    pub(super) fn faces_as(&self, before: &Facet, after: &Facet) -> bool {
-        let facing = DVec3::from_array(self.places.tables.triangle_facing[after.base as usize].map(f64::from));
-        let [old, new] = [before, after].map(|facet| {
-            let [a, b, c] = self.corners(facet);
-            (b - a).cross(c - a)
-        });
-        new.dot(facing) > 0.0 || new.dot(old) > LEAST_TURN * new.length() * old.length()
+    fn faces_as(&self, before: &Around, after: &Around) -> bool {
+        let facing = self.places.tables.triangle_facing[after.facet.base as usize];
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+        let new = normal(after.corners);
+        if new.dot(DVec3::from_array(facing.map(f64::from))) > 0.0 {
+            return true;
+        }
+        let old = normal(before.corners);
+        new.dot(old) > LEAST_TURN * new.length() * old.length()
     }
+}
+
+/// All vertices of a star but the one in its middle, ascending.
+fn neighbours(star: &[Around]) -> Vec<u32> {
+    let mut neighbours: Vec<u32> = star.iter().flat_map(|around| [around.facet.gv[1], around.facet.gv[2]]).collect();
+    neighbours.sort_unstable();
+    neighbours.dedup();
+    neighbours
+}
+
+/// Base triangles around: as many as have a triangle in the star.
+fn sheets(star: &[Around]) -> usize {
+    let mut bases: Vec<u32> = star.iter().map(|around| around.facet.base).collect();
+    bases.sort_unstable();
+    bases.dedup();
+    bases.len()
 }
 
 /// In square units of the base triangle; above 0 where it runs the same way.
@@ -241,43 +289,26 @@ fn twice_area(corners: [[u32; 3]; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Base triangles around: as many as have a triangle in the star.
-fn sheets(mesh: &Simplified, star: &[u32]) -> usize {
-    let mut bases: Vec<u32> = star.iter().map(|t| mesh.triangles[*t as usize].base).collect();
-    bases.sort_unstable();
-    bases.dedup();
-    bases.len()
-}
-
-/// Whether a candidate comes before another: by error, then by mixed numbers, so that along a row not each waits for the
-/// next.
-#[must_use]
-pub fn comes_first(vertex: u32, candidate: &Candidate, other: u32, of_other: &Candidate, round: u32) -> bool {
-    let mixed = |v: u32| (v ^ round.wrapping_mul(0x85EB_CA6B)).wrapping_mul(0x9E37_79B1);
-    (candidate.error, mixed(vertex)) < (of_other.error, mixed(other))
-}
-
 impl Simplified {
-    /// The vertices whose candidate comes before those of all neighbours.
+    /// Whether a vertex comes before all its neighbours: by error, then by mixed numbers, so that along a row not each
+    /// waits for the next.
     #[must_use]
-    pub fn selected(&self, stars: &Stars, candidates: &[Option<Candidate>], round: u32) -> Vec<u32> {
-        let first = |vertex: u32, candidate: &Candidate| {
-            let around = stars.of(vertex).iter().flat_map(|t| self.triangles[*t as usize].gv);
-            around.filter(|other| *other != vertex).all(|other| {
-                let of_other = candidates[other as usize].as_ref();
-                of_other.is_none_or(|of_other| comes_first(vertex, candidate, other, of_other, round))
-            })
-        };
-        let all = (0..).zip(candidates);
-        all.filter_map(|(v, c)| c.as_ref().filter(|c| first(v, c)).map(|_| v)).collect()
+    pub fn comes_first(&self, stars: &Stars, candidates: &[Candidate], vertex: u32, round: u32) -> bool {
+        let mixed = |v: u32| (v ^ round.wrapping_mul(0x85EB_CA6B)).wrapping_mul(0x9E37_79B1);
+        let Some(error) = candidates[vertex as usize].error() else { return false };
+        let mut around = stars.of(vertex).iter().flat_map(|t| self.triangles[*t as usize].gv);
+        around.all(|other| {
+            let of_other = candidates[other as usize].error();
+            other == vertex || of_other.is_none_or(|of_other| (error, mixed(vertex)) < (of_other, mixed(other)))
+        })
     }
 
     /// Draws the selected vertices into theirs. Returns the vertices around, whose candidates are no longer right.
-    pub fn apply(&mut self, stars: &Stars, candidates: &[Option<Candidate>], selected: &[u32]) -> Vec<u32> {
+    pub fn apply(&mut self, stars: &Stars, candidates: &[Candidate], selected: &[u32]) -> Vec<u32> {
         let mut touched = Vec::new();
         let mut gone = vec![false; self.triangles.len()];
         for &vertex in selected {
-            let Some(Candidate { to, .. }) = candidates[vertex as usize] else { continue };
+            let Candidate::To { vertex: to, .. } = candidates[vertex as usize] else { continue };
             for t in stars.of(vertex) {
                 let facet = &mut self.triangles[*t as usize];
                 touched.extend(facet.gv);

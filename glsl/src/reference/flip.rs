@@ -1,8 +1,6 @@
 //! Twin of the `flip_*` passes: the side between two triangles of one base triangle is turned where that lowers the larger
 //! of their errors. Fewer errors near the tolerance let further vertices go.
 
-use glam::DVec3;
-
 use super::collapse::{Facet, Judge, Simplified};
 
 /// Two triangles that share a side, and what becomes of them.
@@ -18,7 +16,7 @@ pub struct Flip {
 /// A flip that gains less is left alone: it could be turned back for ever.
 const LEAST_GAIN: f64 = 1e-3;
 
-impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
+impl Judge<'_> {
     /// The flip of one of a triangle's sides that gains most; `errors` are those of all triangles, as shares of the
     /// tolerance.
     #[must_use]
@@ -41,7 +39,7 @@ impl<T: Fn([DVec3; 3]) -> f64> Judge<'_, T> {
         let after = [[c, a, d], [d, b, c]].map(|gv| Facet { gv, base: own.base });
         let before = errors[t as usize].max(errors[other as usize]);
         let most = before - least;
-        let allowed = |after: &Facet| self.is_upright(after) && self.faces_as(&own, after);
+        let allowed = |after: &Facet| self.may_follow(&own, after);
         if facet.base != own.base || most <= 0.0 || !after.iter().all(allowed) {
             return None;
         }

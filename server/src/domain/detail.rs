@@ -3,6 +3,8 @@
 //! f32 vectors are the one internal form: a height h is (0, 0, h) in the tangent frame, so
 //! displacement = T x + B y + D z. H = scale (value − midlevel).
 
+mod reach;
+
 use std::sync::Arc;
 
 use serde::Serialize;

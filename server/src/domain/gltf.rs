@@ -33,7 +33,7 @@ use super::{
 pub use displacement::forget_displacement;
 use json::At;
 use source::Source;
-pub use write::{Painted, Written, write, write_painted};
+pub use write::{Packing, Painted, Written, obstacles, write, write_painted};
 
 /// External files by the URI the document uses.
 pub type Resources<'a> = dyn Fn(&str) -> Option<Bytes> + 'a;

@@ -13,7 +13,7 @@ use super::{
     scene::Scene,
 };
 
-pub use tolerance::{BYTES_PER_TRIANGLE, MOST_TRIANGLES, TolerancePlan};
+pub use tolerance::{BYTES_PER_TRIANGLE, MOST_TRIANGLES, Reserve, TolerancePlan};
 pub use view::ViewPlan;
 
 /// Elements of one page of a stream: no binding exceeds 128 MiB for elements up to 32 bytes.

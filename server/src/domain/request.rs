@@ -44,6 +44,18 @@ pub struct DisplaceRequest {
     pub geometry: Geometry,
     /// Replaces the base colour map of every material, in images and in the result.
     pub base_color: Option<Digest>,
+    pub compression: Compression,
+}
+
+/// How the GLB is packed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+pub enum Compression {
+    #[default]
+    None,
+    /// KHR_mesh_quantization.
+    Quantize,
+    /// The same under EXT_meshopt_compression.
+    Meshopt,
 }
 
 impl DisplaceRequest {

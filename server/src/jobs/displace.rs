@@ -1,8 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, seams, strain,
-    work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, packing, seams,
+    strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -39,20 +39,22 @@ impl Work for DisplaceWork {
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &self.request)?;
-        let (surfaces, mut passes) = inputs.displaced(context)?;
+        let (mut surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
-        inputs::timed(context.progress, "check_surface", &mut passes, || {
+        let packing = inputs::timed(context.progress, "check_surface", &mut passes, || {
             let Inputs { scene, plans, .. } = &mut inputs;
+            let packing = packing::choose(scene, plans.each(), &mut surfaces, self.request.compression);
             fits::describe(&mut report, scene, plans.each(), &surfaces, &self.request.geometry);
             seams::describe(&mut report, &mut inputs.scene, &surfaces);
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
-            Ok(())
+            Ok(packing)
         })?;
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
-        let written =
-            inputs::timed(context.progress, "write_glb", &mut passes, || gltf::write(&inputs.scene, &surfaces))?;
+        let written = inputs::timed(context.progress, "write_glb", &mut passes, || {
+            gltf::write(&inputs.scene, &surfaces, &packing)
+        })?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
         report.passes = passes;

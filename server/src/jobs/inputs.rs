@@ -16,7 +16,7 @@ use crate::{
         gltf, look, maps,
         mesh::Mesh,
         report::{Estimate, PassTime, Report},
-        request::{DisplaceRequest, Method},
+        request::{Compression, DisplaceRequest, Method},
         scene::Scene,
         surface::Surface,
         weld,
@@ -54,7 +54,10 @@ impl Inputs {
         job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
         job.cancel.check()?;
-        let plans = Plans::make(&mut scene, &request.geometry, limits)?;
+        let mut plans = Plans::make(&mut scene, &request.geometry, limits)?;
+        if request.compression != Compression::None {
+            plans.keep_back(&scene, &details);
+        }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
         Ok(Self { scene, plans, details, triangles_in, passes })
     }

@@ -1,8 +1,12 @@
 //! The plan of each base mesh, and what all of them take together.
 
+use std::sync::Arc;
+
 use super::JobLimits;
 use crate::domain::{
     Error, Result,
+    detail::Detail,
+    gltf,
     mesh::Mesh,
     plan::{BYTES_PER_TRIANGLE, SurfacePlan, TessellationPlan},
     request::{Geometry, Refinement, Tolerance},
@@ -59,6 +63,18 @@ impl Plans {
             each.push(plan);
         }
         Ok(Self::new(each, budget))
+    }
+
+    /// Keeps back what quantising will take of tolerances.
+    pub(super) fn keep_back(&mut self, scene: &Scene, details: &[Vec<Option<Arc<Detail>>>]) {
+        let free = gltf::obstacles(scene).into_iter().map(|obstacle| obstacle.is_none());
+        for ((plan, free), (m, details)) in self.each.iter_mut().zip(free).zip(scene.meshes.iter().zip(details)) {
+            if let (true, TessellationPlan::Tolerance(tolerance)) = (free, &mut plan.tessellation) {
+                let reach = details.iter().flatten().map(|detail| detail.reach(&m.mesh)).fold(0.0, f64::max);
+                // Without a bound it is seen afterwards whether the grid is fine enough.
+                tolerance.keep_back(&m.mesh, if reach.is_finite() { reach } else { 0.0 });
+            }
+        }
     }
 
     fn new(each: Vec<SurfacePlan>, budget: u64) -> Self {

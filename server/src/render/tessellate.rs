@@ -176,7 +176,7 @@ impl<'w> Work<'w> {
             // Rounding to f32 has let a triangle pass that should not have.
             return Self { on: None, ..*self }.run();
         }
-        Ok(Attempt::Done(self.judged(mesh, worst, grown.mismatch, fit, times)))
+        Ok(Attempt::Done(self.result(mesh, worst, grown.mismatch, fit, times)))
     }
 
     fn grow(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
@@ -197,7 +197,7 @@ impl<'w> Work<'w> {
     fn of_base(&self) -> Result<Tessellated> {
         let grown = self.start()?;
         let worst = self.worst(&grown.mesh);
-        Ok(self.judged(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
+        Ok(self.result(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
     }
 
     /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
@@ -218,21 +218,23 @@ impl<'w> Work<'w> {
         (allowed * self.factor - self.rounding).max(0.5 * allowed)
     }
 
-    fn judge<'j>(&'j self, mesh: &'j Simplified, stars: &'j Stars) -> Judge<'j, impl Fn([DVec3; 3]) -> f64 + Sync> {
-        Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: |corners| self.tolerance(corners) }
+    /// Calls `ask` with what judges changes of the mesh.
+    fn judged<T>(&self, mesh: &Simplified, stars: &Stars, ask: impl FnOnce(&Judge<'_>) -> T) -> T {
+        let tolerance = |corners| self.tolerance(corners);
+        ask(&Judge { places: self.places, asked: self.asked, mesh, stars, tolerance: &tolerance })
     }
 
     /// The largest known error, as a share of the tolerance, and whether all are known.
     fn worst(&self, mesh: &Simplified) -> (f64, bool) {
-        let stars = Stars::default();
-        let judge = self.judge(mesh, &stars);
-        let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
-        let known = |error: f64| if error.is_finite() { error } else { 0.0 };
-        errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1))
+        self.judged(mesh, &Stars::default(), |judge| {
+            let errors = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, f64::INFINITY));
+            let known = |error: f64| if error.is_finite() { error } else { 0.0 };
+            errors.map(|e| (known(e), e.is_finite())).reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1))
+        })
     }
 
     /// With what was found of its errors, measured anew.
-    fn judged(
+    fn result(
         &self,
         mesh: Simplified,
         (worst, all_known): (f64, bool),

@@ -97,6 +97,28 @@ fn a_dry_run_of_a_tolerance_says_only_what_is_known() {
 }
 
 #[test]
+fn a_tolerance_holds_with_the_positions_that_a_packed_file_has() {
+    let folder = Folder::new();
+    let (output, height) = (folder.path("out.glb"), folder.file("noise.png", maps::noise16(16, 1)));
+    let args = |extra: &[&str]| -> Vec<String> {
+        let base = ["apply", &torus(), "--height", &height, "--scale", "0.05", "--tolerance", "5e-3", "-o", &output];
+        base.iter().chain(extra).map(|arg| (*arg).to_owned()).collect()
+    };
+    let plain = report(&args(&[]));
+    for kind in ["quantize", "meshopt"] {
+        let packed = report(&args(&["--compress", kind]));
+        let warned = packed["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "positions_not_quantized");
+        assert!(!warned, "{packed}");
+        let (bound, kept) = (&packed["accuracy"]["bound"], &packed["achieved_tolerance"]);
+        assert!(bound.as_f64().unwrap() <= 5e-3 * (1.0 + 1e-9), "{packed}");
+        assert!((kept.as_f64().unwrap() - 5e-3).abs() < 1e-9, "{packed}");
+        assert!(packed["outputs"][0]["bytes"].as_u64() < plain["outputs"][0]["bytes"].as_u64(), "{packed}");
+        let described = report(&["describe", &output]);
+        assert_eq!(described["meshes"][0]["triangles"], packed["triangles"], "{described}");
+    }
+}
+
+#[test]
 fn a_base_mesh_of_more_than_max_triangles_is_refused() {
     let run = remote(&["apply", &torus(), "--expr", "u", "--max-triangles", "3071", "--dry-run"]);
     assert_eq!(run.code, Some(2), "{run:?}");

@@ -27,6 +27,7 @@ fn a_refusal_names_flag_value_range_and_fix() {
     refused("apply MESH -o o.glb --uniform 1 --max-triangles 0", "--max-triangles", &["0"]);
     refused("apply MESH -o o.glb --expr u --scale nan --uniform 1", "--scale", &["nan", "finite"]);
     refused("apply MESH -o o.glb --vector v.exr --swizzle rrb --uniform 1", "--swizzle", &["rrb", "rgb"]);
+    refused("apply MESH -o o.glb --uniform 1 --compress zip", "--compress", &["zip", "quantize", "meshopt"]);
     refused("render MESH -o o.png --size 0x10", "--size", &["0x10", "1280x720"]);
     refused("render MESH -o o.png --fov 200 --orbit 1,2", "--fov", &["200", "1 to 170"]);
     refused("render MESH -o o.png --fov 20", "--eye", &["--orbit"]);

@@ -8,7 +8,7 @@ use displace_glsl::{
 };
 use displace_server::{
     domain::{
-        gltf::{Limits, load, write},
+        gltf::{Limits, Packing, load, write},
         mesh::Mesh,
         surface::{Arrangement, Layout, Shape, Surface},
     },
@@ -189,7 +189,7 @@ fn a_cube_refined_in_one_corner_is_written_without_cracks() {
     let triangles = shape.triangles.len();
     let surface = finished(&mesh, shape);
     assert_eq!(invariants::of_surface(&mesh, &surface), []);
-    let written = write(&scene, std::slice::from_ref(&surface)).expect("writes");
+    let written = write(&scene, std::slice::from_ref(&surface), &Packing::default()).expect("writes");
     let whole = glb::joined(&glb::read(&written.bytes));
     assert_eq!(whole.triangles.len(), triangles);
     assert_eq!(whole.positions.len(), surface.positions.len());
@@ -199,6 +199,6 @@ fn a_cube_refined_in_one_corner_is_written_without_cracks() {
     // It reads back as a mesh, and a surface that is not of the mesh is refused.
     assert!(load(&written.bytes.into(), &|_| None, &Limits::default()).is_ok());
     scene.meshes[0].mesh.triangles.pop();
-    let error = write(&scene, &[surface]).expect_err("it is not of the mesh");
+    let error = write(&scene, &[surface], &Packing::default()).expect_err("it is not of the mesh");
     assert!(error.to_string().contains("does not rise"), "{error}");
 }

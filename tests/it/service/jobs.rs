@@ -234,6 +234,23 @@ async fn every_part_of_a_tolerance_is_part_of_the_key() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn how_a_file_is_packed_is_part_of_the_key_and_images_have_no_such_thing() {
+    use v1::Compression::{Meshopt, None, Quantize, Unspecified};
+    let harness = Harness::start().await;
+    let request = harness.request("ok").await;
+    for (compression, runs) in [(None, 1), (Quantize, 2), (Meshopt, 3), (Unspecified, 3)] {
+        let request = v1::DisplaceRequest { compression: compression.into(), ..request.clone() };
+        super::result(&super::updates(&mut harness.jobs(), request).await);
+        assert_eq!(harness.runs(), runs, "{compression:?}");
+    }
+    let surface = Some(v1::DisplaceRequest { compression: Quantize.into(), ..request });
+    let image = v1::RenderRequest { surface, views: vec![v1::View::default()], ..v1::RenderRequest::default() };
+    let status = harness.jobs().render(image).await.unwrap_err();
+    let bad = status.get_details_bad_request().unwrap();
+    assert_eq!(bad.field_violations[0].field, "surface.compression");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn tenants_share_neither_results_nor_work() {
     let harness = Harness::start().await;
     harness.displace("ok").await;

@@ -37,7 +37,10 @@ fn found(places: &Places<'_>, asked: Asked, facets: &[FacetPlace], cap: f32) -> 
     let job = JobContext { cancel: &cancel, progress: &NoProgress };
     let bounds = Bounds::new(device(), places, asked).expect("fits");
     let stream = Stream::from_slice(device(), "facets", facets).expect("fits");
-    bounds.find(&job, &stream, facets.len() as u64, cap).expect("runs").read().expect("reads")
+    let recorder = device().recorder(&cancel, &NoProgress);
+    let (recorder, found) = bounds.record(&job, recorder, &stream, facets.len() as u64, cap).expect("records");
+    recorder.finish().expect("runs");
+    found.read().expect("reads")
 }
 
 /// Of all sizes, slivers among them; some with corners on coarse lattices, where sides run along rows of texels.
@@ -90,7 +93,7 @@ fn check(what: &str, subject: &Subject, asked: Asked) {
     let places = Places::new(&subject.tables, &subject.base);
     let facets = triangles(subject.base.triangles.len() as u32);
     for (facet, found) in facets.iter().zip(found(&places, asked, &facets, f32::MAX)) {
-        let expected = bound(&places, asked, facet.base, corners(facet), f64::INFINITY);
+        let expected = bound(&places, asked, facet.base, corners(facet), 1.0, f64::INFINITY);
         let (error, allowed) = ((f64::from(found) - expected).abs(), rounding(&places, facet, expected));
         assert!(
             error <= allowed,
@@ -186,7 +189,7 @@ fn small_triangles_on_large_maps_keep_their_digits() {
         })
         .collect();
     for (facet, found) in tiny.iter().zip(found(&places, EVERYWHERE, &tiny, f32::MAX)) {
-        let expected = bound(&places, EVERYWHERE, facet.base, corners(facet), f64::INFINITY);
+        let expected = bound(&places, EVERYWHERE, facet.base, corners(facet), 1.0, f64::INFINITY);
         assert!((f64::from(found) - expected).abs() < 40.0 * EPSILON, "{found}, not {expected}: {facet:?}");
     }
 }

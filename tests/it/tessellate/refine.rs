@@ -53,7 +53,7 @@ fn errors(subject: &Subject, refined: &Refined, cap: f64) -> Vec<f64> {
     let error = |t: &displace_glsl::layout::refine::RefinedTriangle| {
         let owner = &base.triangles[t.base as usize];
         let corners = t.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], owner)));
-        bound(&places, ALL, t.base, corners, cap)
+        bound(&places, ALL, t.base, corners, 1.0, cap)
     };
     refined.triangles.par_iter().map(error).collect()
 }

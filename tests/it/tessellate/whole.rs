@@ -33,6 +33,7 @@ fn plan(tolerance_local: f64, error_at: ErrorAt) -> TolerancePlan {
         error_at,
         quality: Quality::Normal,
         max_triangles: 1 << 20,
+        reserve: None,
     }
 }
 

@@ -79,6 +79,6 @@ pub(super) fn seeded(seed: u64) -> Case {
         mesh: mesh.to_mesh(),
         detail: detail(source, scale),
         geometry: Geometry { seams, feather_texels, ..uniform(0) },
-        allowed: Allowed::Diagonal([0.02, 0.008, 0.003][random.random_range(0..3)]),
+        allowed: Allowed::Diagonal([0.02, 0.01, 0.005][random.random_range(0..3)]),
     }
 }

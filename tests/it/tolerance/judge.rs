@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::cases::Case;
 
 /// Places along a side of every triangle of the result.
-const ALONG_SIDE: u32 = 12;
+const ALONG_SIDE: u32 = 8;
 const UNIT: f64 = (1 << 24) as f64;
 
 /// The greatest distance found between places of the surface and of the triangle above them, mesh-local units.

@@ -12,14 +12,21 @@ use crate::{
 /// A patch is quartered so often at most.
 const DEPTH: u32 = 4;
 
-/// The height, and how far at most it is from straight; above `cap` any bound above `cap`.
-pub(super) fn height(patch: &Patch<'_>, layer: &Layer, cap: f64) -> Scalar {
+/// The height, and how far at most it is from straight, up to `resolution` more; above `cap` any bound above `cap`.
+pub(super) fn height(patch: &Patch<'_>, layer: &Layer, cap: f64, resolution: f64) -> Scalar {
     let part = Part { patch, layer, corners: patch.corners };
     let values = patch.corners.map(|b| part.at(b));
-    let cap = cap / f64::from(layer.scale.abs()).max(f64::MIN_POSITIVE);
-    let curvature = part.greatest([DVec3::X, DVec3::Y, DVec3::Z], values, cap, DEPTH);
+    let unscaled = |height: f64| height / f64::from(layer.scale.abs()).max(f64::MIN_POSITIVE);
+    let limits = Limits { cap: unscaled(cap), resolution: unscaled(resolution) };
+    let curvature = part.greatest([DVec3::X, DVec3::Y, DVec3::Z], values, &limits, DEPTH);
     let height = |value: f64| f64::from(layer.scale) * (value - f64::from(layer.midlevel));
     Scalar { corners: values.map(height), curvature: curvature * f64::from(layer.scale.abs()) }
+}
+
+/// Where to stop: above `cap`, and where the bound is within `resolution` of the truth.
+struct Limits {
+    cap: f64,
+    resolution: f64,
 }
 
 struct Part<'p> {
@@ -41,20 +48,20 @@ impl Part<'_> {
 
     /// The largest distance from what is straight between the `values` at the corners of the patch, over the part
     /// with these shares of them.
-    fn greatest(&self, shares: [DVec3; 3], values: [f64; 3], cap: f64, depth: u32) -> f64 {
+    fn greatest(&self, shares: [DVec3; 3], values: [f64; 3], limits: &Limits, depth: u32) -> f64 {
         let straight = |share: DVec3| share.dot(DVec3::from_array(values));
         let apart = |share: DVec3| (self.at(self.place(share)) - straight(share)).abs();
         let here = shares.iter().fold(0.0, |most: f64, share| most.max(apart(*share)));
-        let bound = here + self.deviation(shares);
-        if bound <= cap || here > cap || depth == 0 {
-            return if bound.is_nan() { f64::INFINITY } else { bound };
+        let deviation = self.deviation(shares);
+        if deviation <= limits.resolution || here > limits.cap || depth == 0 {
+            return if deviation.is_nan() { f64::INFINITY } else { here + deviation };
         }
         let [a, b, c] = shares;
         let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
         let mut worst: f64 = 0.0;
         for part in [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]] {
-            worst = worst.max(self.greatest(part, values, cap, depth - 1));
-            if worst > cap {
+            worst = worst.max(self.greatest(part, values, limits, depth - 1));
+            if worst > limits.cap {
                 break;
             }
         }

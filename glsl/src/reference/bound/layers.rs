@@ -28,6 +28,8 @@ pub(super) struct Patch<'p> {
     pub(super) av: [u32; 3],
     pub(super) detail: u32,
     pub(super) corners: [DVec3; 3],
+    /// Expressions are bounded no closer than this.
+    pub(super) resolution: f64,
 }
 
 /// A frame of reference over the patch.
@@ -78,7 +80,10 @@ impl Patch<'_> {
     fn layer(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
         match layer.kind {
             kind::HEIGHT => along(frame.direction, |cap| self.channel(layer, 0, cap), cap),
-            kind::EXPRESSION => along(frame.direction, |cap| expression::height(self, layer, cap), cap),
+            kind::EXPRESSION => {
+                let resolution = self.resolution / frame.direction.most().max(f64::MIN_POSITIVE);
+                along(frame.direction, |cap| expression::height(self, layer, cap, resolution), cap)
+            }
             kind::VECTOR_OBJECT => {
                 let one = |k: u64| self.channel(layer, k, cap).curvature;
                 DVec3::new(one(0), one(1), one(2)).length()

@@ -3,34 +3,32 @@
 use glam::DVec3;
 
 use super::{
-    Asked,
     field::{Field, Scalar, ratio_curvature},
     layers::Patch,
 };
 use crate::{
     layout::geometry::{BaseTriangle, Correction, NONE, Seam},
-    reference::{place::Places, samples::share},
+    reference::samples::share,
 };
 
-pub(super) fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], cap: f64) -> f64 {
-    let Some(correction) = places.tables.correction(t) else { return 0.0 };
-    let triangle = &places.tables.base_triangles[t as usize];
+/// Over the `patch` of base triangle t.
+pub(super) fn bound(patch: &Patch<'_>, t: u32, cap: f64) -> f64 {
+    let Some(correction) = patch.places.tables.correction(t) else { return 0.0 };
+    let triangle = &patch.places.tables.base_triangles[t as usize];
     let mut sum = 0.0;
     for side in 0..3 {
         if correction.seam[side] != NONE && sum <= cap {
-            sum += Ramp { places, asked, triangle, correction, side, corners }.bound(cap - sum);
+            sum += Ramp { patch, triangle, correction, side }.bound(cap - sum);
         }
     }
     sum
 }
 
 struct Ramp<'r> {
-    places: &'r Places<'r>,
-    asked: Asked,
+    patch: &'r Patch<'r>,
     triangle: &'r BaseTriangle,
     correction: &'r Correction,
     side: usize,
-    corners: [DVec3; 3],
 }
 
 impl Ramp<'_> {
@@ -43,9 +41,9 @@ impl Ramp<'_> {
         let along: [f64; 3] = std::array::from_fn(|k| to[k] / (to[k] + from[k]));
         let known = || along.iter().copied().filter(|t| t.is_finite());
         let (start, end) = (known().fold(1.0, f64::min), known().fold(0.0, f64::max));
-        let seam = self.places.tables.seams[self.correction.seam[self.side] as usize];
+        let seam = self.patch.places.tables.seams[self.correction.seam[self.side] as usize];
         let bend = self.bend(&seam, [start, end], cap / weight.most());
-        let shortfall = |t: f64| self.places.shortfall(&seam, self.correction.rank[self.side], t);
+        let shortfall = |t: f64| self.patch.places.shortfall(&seam, self.correction.rank[self.side], t);
         let slope = shortfall(end).distance(shortfall(start)) / (end - start).max(f64::MIN_POSITIVE);
         let ratio = ratio_curvature(to, from, end - start);
         // Where t is not defined the weight is 0.
@@ -57,7 +55,7 @@ impl Ramp<'_> {
     /// max(0, 1 − b / width), with its kink.
     fn weight(&self) -> Scalar {
         let inverse_width = f64::from(self.correction.inverse_width[self.side]);
-        let ramp = self.corners.map(|b| 1.0 - b[(self.side + 2) % 3] * inverse_width);
+        let ramp = self.patch.corners.map(|b| 1.0 - b[(self.side + 2) % 3] * inverse_width);
         let (low, high) = ramp.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let curvature = if low < 0.0 && high > 0.0 { -low * high / (high - low) } else { 0.0 };
         Scalar { corners: ramp.map(|w| w.max(0.0)), curvature }
@@ -67,14 +65,14 @@ impl Ramp<'_> {
         let (side, next) = (self.side, (self.side + 1) % 3);
         let reversed = self.triangle.reversed >> side & 1 == 1;
         let (to, from) = if reversed { (side, next) } else { (next, side) };
-        [self.corners.map(|b| b[to]), self.corners.map(|b| b[from])]
+        [self.patch.corners.map(|b| b[to]), self.patch.corners.map(|b| b[from])]
     }
 
     /// How far the shortfall is from straight between two places along the seam.
     fn bend(&self, seam: &Seam, [start, end]: [f64; 2], cap: f64) -> f64 {
-        let tables = self.places.tables;
+        let tables = self.patch.places.tables;
         let mut sum = 0.0;
-        for rank in self.places.distinct(seam) {
+        for rank in self.patch.places.distinct(seam) {
             let own = f64::from(u8::from(rank == self.correction.rank[self.side]));
             let part = (share(seam.distinct, tables.rule, rank) - own).abs();
             if part == 0.0 {
@@ -83,7 +81,7 @@ impl Ramp<'_> {
             let entry = tables.seam_sides[(seam.first + rank) as usize];
             let [a, b] = tables.base_edges[entry.id as usize].av;
             let corners = [start, end, end].map(|t| DVec3::new(1.0 - t, t, 0.0));
-            let patch = Patch { places: self.places, asked: self.asked, av: [a, b, b], detail: entry.detail, corners };
+            let patch = Patch { av: [a, b, b], detail: entry.detail, corners, ..*self.patch };
             sum += part * patch.bound((cap - sum) / part);
         }
         sum

@@ -58,8 +58,10 @@ pub(super) fn decode_all(
     };
     let plain = plain_buffers(&root)?;
     if !views.is_empty() {
-        let message =
-            format!("{} compressed buffer views were decoded; the result is written uncompressed", views.len());
+        let message = format!(
+            "{} compressed buffer views were decoded; what of them passes through is written uncompressed",
+            views.len()
+        );
         warnings.push(Warning::new("compression_dropped", message));
     }
     let first = root.count("buffers")?;

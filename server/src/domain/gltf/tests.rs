@@ -75,7 +75,7 @@ fn flat(mesh: &Mesh) -> Surface {
 
 fn rewritten(scene: &Scene) -> Written {
     let surfaces: Vec<Surface> = scene.meshes.iter().map(|m| flat(&m.mesh)).collect();
-    write(scene, &surfaces).expect("writes")
+    write(scene, &surfaces, &Packing::default()).expect("writes")
 }
 
 #[test]

@@ -1,30 +1,47 @@
 //! Scene and surfaces to one self-contained GLB: displaced primitives get fresh accessors, everything else
 //! of the document stays, and data nobody refers to any more is left out.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `document.rs`, `bounds.rs`, `claims.rs` | what of the document is kept, mended and claimed |
+//! | `fine.rs`, `primitive.rs`, `skin.rs` | one displaced primitive: its part of the surface, tangents, skin |
+//! | `listing.rs`, `collapsed.rs` | its vertices and triangles in the order of the file, without what quantising undid |
+//! | `streams.rs`, `pack.rs` | its accessors; the bytes of the file, plain or compressed |
+//! | `packing.rs`, `dequantize.rs` | which meshes are quantised, and the nodes that take them back |
+//! | `painted.rs` | a file of its own: a mesh painted by a figure |
 
-pub(super) use document::drop_names;
 mod bounds;
+mod claims;
+mod collapsed;
+mod dequantize;
 mod document;
 mod fine;
+mod listing;
 mod pack;
+mod packing;
 mod painted;
 mod primitive;
 mod skin;
+mod streams;
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::images;
 use crate::domain::{
     Error, Result,
     report::Warning,
+    request::Compression,
     scene::{Scene, SceneMesh},
-    surface::Surface,
+    surface::{Layout, Surface},
 };
+pub(super) use claims::drop_names;
 use document::Kept;
 use fine::Fine;
 use pack::Builder;
+pub use packing::{Packing, obstacles};
 pub use painted::{Painted, write_painted};
-use primitive::Part;
+use primitive::{Coding, Part};
 
 /// A GLB and what could not be kept in it.
 #[derive(Clone, Debug, Default)]
@@ -34,15 +51,15 @@ pub struct Written {
 }
 
 /// Writes the scene with `surfaces[i]` in place of `scene.meshes[i]`.
-pub fn write(scene: &Scene, surfaces: &[Surface]) -> Result<Written> {
+pub fn write(scene: &Scene, surfaces: &[Surface], packing: &Packing) -> Result<Written> {
     if surfaces.len() != scene.meshes.len() {
         let message = format!("{} surfaces for {} meshes", surfaces.len(), scene.meshes.len());
         return Err(Error::internal(message));
     }
     let mut warnings = Vec::new();
-    let parts = parts(scene, surfaces, &mut warnings)?;
+    let parts = parts(scene, surfaces, packing, &mut warnings)?;
     let mut document = scene.document.clone();
-    document::drop_compression(&mut document);
+    claims::drop_compression(&mut document);
     for part in &parts {
         document::clear_primitive(&mut document, part.gltf_mesh, part.fine.primitive.gltf_primitive);
     }
@@ -51,39 +68,71 @@ pub fn write(scene: &Scene, surfaces: &[Surface]) -> Result<Written> {
     kept.copy(&mut document, scene, &mut builder, &mut warnings)?;
     embed_images(&mut document, scene, &mut builder);
     for part in &parts {
-        let (attributes, indices, targets) = part.write(&mut builder)?;
-        document::fill_primitive(
-            &mut document,
-            part.gltf_mesh,
-            part.fine.primitive.gltf_primitive,
-            attributes,
-            indices,
-            targets,
-        );
+        let data = part.write(&mut builder)?;
+        document::fill_primitive(&mut document, part.gltf_mesh, part.fine.primitive.gltf_primitive, data);
+    }
+    declare(&mut document, scene, packing, &parts);
+    if packing.compression == Compression::Meshopt {
+        builder.compress()?;
     }
     document["accessors"] = Value::Array(std::mem::take(&mut builder.accessors));
     document["bufferViews"] = Value::Array(std::mem::take(&mut builder.views));
-    document["buffers"] = json!([{ "byteLength": builder.length }]);
+    document["buffers"] = builder.buffers();
     document["asset"]["generator"] = concat!("displaced ", env!("CARGO_PKG_VERSION")).into();
-    document::finish(&mut document);
+    claims::finish(&mut document);
     Ok(Written { bytes: builder.pack(&document)?, warnings })
 }
 
-fn parts<'a>(scene: &'a Scene, surfaces: &'a [Surface], warnings: &mut Vec<Warning>) -> Result<Vec<Part<'a>>> {
-    let mut parts = Vec::new();
-    for (SceneMesh { gltf_mesh, mesh }, surface) in scene.meshes.iter().zip(surfaces) {
-        fine::check(mesh, surface)?;
-        // A primitive that lost all its triangles stays as the file has it.
-        let solid = (0..mesh.primitives.len()).filter(|p| !mesh.primitives[*p].triangles.is_empty());
-        parts.extend(solid.map(|p| (*gltf_mesh, Fine::new(mesh, surface, p))));
+/// Names the extensions that the packing takes, and adds the nodes.
+fn declare(document: &mut Value, scene: &Scene, packing: &Packing, parts: &[Part<'_>]) {
+    let grids = scene.meshes.iter().enumerate().filter_map(|(i, m)| Some((m.gltf_mesh, packing.grid(i)?)));
+    dequantize::insert_nodes(document, &grids.collect());
+    if parts.iter().any(Part::needs_quantization) {
+        claims::require(document, "KHR_mesh_quantization");
     }
-    let parts: Vec<(Part<'a>, Option<Warning>)> =
-        parts.into_par_iter().map(|(gltf_mesh, fine)| Part::new(scene, gltf_mesh, fine)).collect::<Result<_>>()?;
+    if packing.compression == Compression::Meshopt && !parts.is_empty() {
+        claims::require(document, pack::MESHOPT);
+    }
+}
+
+fn parts<'a>(
+    scene: &'a Scene,
+    surfaces: &'a [Surface],
+    packing: &Packing,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Part<'a>>> {
+    let of_mesh = |(i, (m, surface)): (usize, (&'a SceneMesh, &'a Surface))| parts_of(scene, m, surface, packing, i);
+    let meshes = scene.meshes.par_iter().zip(surfaces).enumerate();
+    let all: Vec<Vec<(Part<'a>, Option<Warning>)>> = meshes.map(of_mesh).collect::<Result<_>>()?;
     let keep = |(part, warning): (Part<'a>, Option<Warning>)| {
         warnings.extend(warning);
         part
     };
-    Ok(parts.into_iter().map(keep).collect())
+    Ok(all.into_iter().flatten().map(keep).collect())
+}
+
+fn parts_of<'a>(
+    scene: &'a Scene,
+    SceneMesh { gltf_mesh, mesh }: &'a SceneMesh,
+    surface: &'a Surface,
+    packing: &Packing,
+    index: usize,
+) -> Result<Vec<(Part<'a>, Option<Warning>)>> {
+    fine::check(mesh, surface)?;
+    let coding = Coding { is_quantized: packing.is_quantized(), grid: packing.grid(index) };
+    // A primitive that lost all its triangles stays as the file has it.
+    let solid: Vec<usize> = (0..mesh.primitives.len()).filter(|p| !mesh.primitives[*p].triangles.is_empty()).collect();
+    let part = |p: usize| Part::new(scene, *gltf_mesh, Fine::new(mesh, surface, p), coding);
+    let (mut parts, warnings): (Vec<_>, Vec<_>) =
+        solid.into_par_iter().map(part).collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    if let Some(grid) = coding.grid {
+        collapsed::remove(&mut parts, &grid);
+    }
+    // Uniform levels come in rows.
+    if coding.is_quantized || matches!(surface.layout, Layout::Pieces(_)) {
+        parts.par_iter_mut().for_each(Part::optimize);
+    }
+    Ok(parts.into_iter().zip(warnings).collect())
 }
 
 /// Images by URI become buffer views; one that is missing becomes a single pixel that changes nothing.

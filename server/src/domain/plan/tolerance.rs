@@ -1,5 +1,7 @@
 //! What a tolerance asks of one base mesh, in the mesh's own units.
 
+mod reserve;
+
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,7 @@ use crate::domain::{
     request::{Allowed, ErrorAt, Quality, Tolerance},
     scene::{Instance, Scene},
 };
+pub use reserve::Reserve;
 
 /// Device memory that a triangle takes while it is refined and collapsed.
 pub const BYTES_PER_TRIANGLE: u64 = 300;
@@ -38,6 +41,9 @@ pub struct TolerancePlan {
     pub quality: Quality,
     /// Refinement stops, complete and conforming, before it would make more triangles.
     pub max_triangles: u64,
+    /// What `tolerance_local` and the views are short of what was asked for.
+    #[serde(default)]
+    pub reserve: Option<Reserve>,
 }
 
 impl TolerancePlan {
@@ -58,6 +64,7 @@ impl TolerancePlan {
             error_at: *error_at,
             quality: *quality,
             max_triangles: max_triangles.min(MOST_TRIANGLES),
+            reserve: None,
         };
         plan.tolerance_local = match allowed {
             Allowed::Diagonal(share) => share * diagonal(scene)? / largest_scale(scene, index),
@@ -110,6 +117,8 @@ struct Sphere {
     radius: f64,
     /// Of the mesh: the largest coordinate, or side of its box.
     extent: f64,
+    /// Longest side of the mesh's box.
+    longest: f64,
 }
 
 impl Sphere {
@@ -117,8 +126,9 @@ impl Sphere {
         let points = || mesh.gv_position.iter().map(|p| DVec3::from_array(p.map(f64::from)));
         let low = points().reduce(DVec3::min).unwrap_or_default();
         let high = points().reduce(DVec3::max).unwrap_or_default();
-        let extent = low.abs().max(high.abs()).max(high - low).max_element();
-        Self { centre: 0.5 * (low + high), radius: 0.5 * (high - low).length(), extent }
+        let longest = (high - low).max_element();
+        let extent = low.abs().max(high.abs()).max_element().max(longest);
+        Self { centre: 0.5 * (low + high), radius: 0.5 * (high - low).length(), extent, longest }
     }
 }
 

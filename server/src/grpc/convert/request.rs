@@ -13,7 +13,8 @@ use crate::{
     domain::{
         Digest, Error, Result,
         request::{
-            Aov, CompareRequest, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method, RenderRequest,
+            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method,
+            RenderRequest,
         },
     },
 };
@@ -57,12 +58,25 @@ fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> 
     let base_color = request.look.and_then(|look| look.base_color);
     let base_color_field = join(path, "look.base_color");
     let base_color = base_color.map(|asset| digest(&base_color_field, Some(&asset))).transpose()?;
-    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color })
+    let compression = compression(&join(path, "compression"), request.compression)?;
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, compression })
+}
+
+fn compression(field: &str, compression: i32) -> Result<Compression> {
+    Ok(match known(field, compression)? {
+        v1::Compression::Unspecified | v1::Compression::None => Compression::None,
+        v1::Compression::Quantize => Compression::Quantize,
+        v1::Compression::Meshopt => Compression::Meshopt,
+    })
 }
 
 pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) -> Result<RenderRequest> {
     let surface = request.surface.ok_or_else(|| Error::invalid(join(path, "surface"), "is required"))?;
     let surface = self::surface(&join(path, "surface"), surface)?;
+    if surface.compression != Compression::None {
+        let message = "packs the file that Displace writes, and an image is none: leave it unspecified";
+        return Err(Error::invalid(join(path, "surface.compression"), message));
+    }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = view::lighting(&join(path, "lighting"), request.lighting)?;
     let aovs = aovs(&join(path, "aovs"), &request.aovs)?;

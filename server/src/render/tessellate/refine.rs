@@ -89,10 +89,9 @@ impl Work<'_> {
         let base = &self.places.base.triangles[triangle.base as usize];
         let corners = triangle.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], base)));
         let whole = self.tolerance(triangle.gv.map(|gv| grown.mesh.positions[gv as usize]));
-        let allowed = share * whole;
-        let error = bound(self.places, self.asked, triangle.base, corners, allowed);
+        let error = bound(self.places, self.asked, triangle.base, corners, whole, share);
         let longest = refined.edges[triangle.ge[longest_side(&refined.edges, triangle)] as usize].length_square;
         let is_speck = || f64::from(longest).sqrt() < JUMP * whole;
-        error <= allowed || (error == f64::INFINITY && is_speck())
+        error <= share || (error == f64::INFINITY && is_speck())
     }
 }

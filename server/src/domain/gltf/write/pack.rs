@@ -1,10 +1,15 @@
 //! The binary side of a GLB: what goes where, decided before anything is copied; then all of it in parallel.
 
+mod meshopt;
+mod stream;
+
 use bytes::Bytes;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::domain::{Error, Result};
+pub(super) use meshopt::NAME as MESHOPT;
+pub(super) use stream::{Bounds, Component, Stream};
 
 type Fill<'a> = Box<dyn Fn(&mut [u8]) + Send + Sync + 'a>;
 
@@ -14,26 +19,34 @@ pub(super) struct Builder<'a> {
     pub(super) accessors: Vec<Value>,
     pub(super) views: Vec<Value>,
     /// Bytes of the buffer so far; every chunk starts at a multiple of 4.
-    pub(super) length: usize,
-    chunks: Vec<(usize, usize, Fill<'a>)>,
+    length: usize,
+    /// Bytes that compressed views decode to, in a buffer that no file has.
+    decoded_length: usize,
+    /// One for each view.
+    chunks: Vec<Chunk<'a>>,
 }
 
-pub(super) const ARRAY_BUFFER: u32 = 34962;
-pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-pub(super) const U8: u32 = 5121;
-pub(super) const U16: u32 = 5123;
-pub(super) const U32: u32 = 5125;
-pub(super) const F32: u32 = 5126;
+struct Chunk<'a> {
+    offset: usize,
+    length: usize,
+    fill: Fill<'a>,
+    /// What it holds, where that is a fresh accessor.
+    stream: Option<Stream>,
+}
 
 impl<'a> Builder<'a> {
     /// A view of `length` bytes that `fill` writes; `view` holds its other properties.
-    pub(super) fn view(&mut self, mut view: Map<String, Value>, length: usize, fill: Fill<'a>) -> usize {
+    pub(super) fn view(&mut self, view: Map<String, Value>, length: usize, fill: Fill<'a>) -> usize {
+        self.chunk(view, Chunk { offset: self.length, length, fill, stream: None })
+    }
+
+    fn chunk(&mut self, mut view: Map<String, Value>, chunk: Chunk<'a>) -> usize {
         view.insert("buffer".into(), 0.into());
-        view.insert("byteOffset".into(), self.length.into());
-        view.insert("byteLength".into(), length.into());
+        view.insert("byteOffset".into(), chunk.offset.into());
+        view.insert("byteLength".into(), chunk.length.into());
         self.views.push(Value::Object(view));
-        self.chunks.push((self.length, length, fill));
-        self.length = (self.length + length).next_multiple_of(4);
+        self.length = (chunk.offset + chunk.length).next_multiple_of(4);
+        self.chunks.push(chunk);
         self.views.len() - 1
     }
 
@@ -41,24 +54,22 @@ impl<'a> Builder<'a> {
         self.view(Map::new(), bytes.len(), Box::new(move |out| out.copy_from_slice(&bytes)))
     }
 
-    /// An accessor over a view of its own.
+    /// An accessor over a view of its own. What `fill` leaves out is 0.
     pub(super) fn stream(&mut self, stream: Stream, fill: Fill<'a>) -> usize {
-        let mut view = Map::new();
-        view.insert("target".into(), stream.target.into());
-        let view = self.view(view, stream.count * stream.element_bytes(), fill);
-        let mut accessor = json!({
-            "bufferView": view,
-            "componentType": stream.component,
-            "count": stream.count,
-            "type": stream.kind(),
-        });
-        if let Some((low, high)) = stream.bounds {
-            // Every f32 is an f64: printed and read back, the bounds are the values themselves.
-            accessor["min"] = low.map(f64::from).to_vec().into();
-            accessor["max"] = high.map(f64::from).to_vec().into();
-        }
-        self.accessors.push(accessor);
+        let length = stream.count * stream.stride();
+        let chunk = Chunk { offset: self.length, length, fill, stream: Some(stream) };
+        let view = self.chunk(stream.view(), chunk);
+        self.accessors.push(stream.accessor(view));
         self.accessors.len() - 1
+    }
+
+    /// The buffers of the file: its own and, where views are compressed, the one that they decode to.
+    pub(super) fn buffers(&self) -> Value {
+        let own = json!({ "byteLength": self.length });
+        match self.decoded_length {
+            0 => json!([own]),
+            length => json!([own, meshopt::fallback(length)]),
+        }
     }
 
     /// The whole file.
@@ -91,7 +102,7 @@ impl<'a> Builder<'a> {
     fn fill(&self, mut rest: &mut [u8]) {
         let mut places = Vec::with_capacity(self.chunks.len());
         let mut at = 0;
-        for (offset, length, fill) in &self.chunks {
+        for Chunk { offset, length, fill, .. } in &self.chunks {
             let (place, tail) = rest[offset - at..].split_at_mut(*length);
             places.push((place, fill));
             (rest, at) = (tail, offset + length);
@@ -102,29 +113,4 @@ impl<'a> Builder<'a> {
 
 fn put_words(bytes: &mut [u8], words: &[u32]) {
     bytes.as_chunks_mut().0.iter_mut().zip(words).for_each(|(out, word)| *out = word.to_le_bytes());
-}
-
-/// Shape of a fresh accessor.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Stream {
-    pub(super) target: u32,
-    pub(super) component: u32,
-    pub(super) components: usize,
-    pub(super) count: usize,
-    pub(super) bounds: Option<([f32; 3], [f32; 3])>,
-}
-
-impl Stream {
-    fn element_bytes(&self) -> usize {
-        let component = match self.component {
-            U8 => 1,
-            U16 => 2,
-            _ => 4,
-        };
-        component * self.components
-    }
-
-    fn kind(&self) -> &'static str {
-        ["SCALAR", "VEC2", "VEC3", "VEC4"][(self.components - 1).min(3)]
-    }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::pack::{ARRAY_BUFFER, Builder, ELEMENT_ARRAY_BUFFER, F32, Stream, U16, U32};
+use super::pack::{Bounds, Builder, Component, Stream};
 use crate::domain::Result;
 
 /// Triangles in world space with a colour for each vertex.
@@ -44,7 +44,7 @@ pub fn write_painted(painted: &Painted<'_>) -> Result<Vec<u8>> {
     });
     document["accessors"] = Value::Array(std::mem::take(&mut builder.accessors));
     document["bufferViews"] = Value::Array(std::mem::take(&mut builder.views));
-    document["buffers"] = json!([{ "byteLength": builder.length }]);
+    document["buffers"] = builder.buffers();
     builder.pack(&document)
 }
 
@@ -58,18 +58,16 @@ fn primitive<'a>(
     let bounds = Some(bounds(positions));
     let count = positions.len();
     let place: Vec<u8> = positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    let stream = Stream { target: ARRAY_BUFFER, component: F32, components: 3, count, bounds };
+    let stream = Stream { bounds, ..Stream::of_vertices(Component::F32, 3, count) };
     let place = builder.stream(stream, Box::new(move |out| out.copy_from_slice(&place)));
     // Vertex colours are linear, where 8 bits would merge the dark ones.
     let light =
         colors.iter().flat_map(|c| [linear[c[0] as usize], linear[c[1] as usize], linear[c[2] as usize], u16::MAX]);
     let light: Vec<u8> = light.flat_map(u16::to_le_bytes).collect();
-    let stream = Stream { target: ARRAY_BUFFER, component: U16, components: 4, count, bounds: None };
+    let stream = Stream::of_vertices(Component::Unorm16, 4, count);
     let color = builder.stream(stream, Box::new(move |out| out.copy_from_slice(&light)));
-    builder.accessors[color]["normalized"] = true.into();
     let corners: Vec<u8> = triangles.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    let count = 3 * triangles.len();
-    let stream = Stream { target: ELEMENT_ARRAY_BUFFER, component: U32, components: 1, count, bounds: None };
+    let stream = Stream::of_indices(Component::U32, 3 * triangles.len());
     let indices = builder.stream(stream, Box::new(move |out| out.copy_from_slice(&corners)));
     let mut attributes = Map::new();
     attributes.insert("POSITION".into(), place.into());
@@ -77,7 +75,7 @@ fn primitive<'a>(
     json!({ "attributes": attributes, "indices": indices, "material": 0 })
 }
 
-fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+fn bounds(positions: &[[f32; 3]]) -> Bounds {
     positions.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
         (std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k])))
     })

@@ -188,6 +188,19 @@ fn nothing_allowed_moves_a_place_of_the_image_by_more_than_the_pixels() {
 }
 
 #[test]
+fn what_is_kept_back_is_there_in_every_view_and_sphere() {
+    let scene = scene(vec![scaled(1.0, 1.0, 1.0)]);
+    let (asked, _) = planned(&scene, pixels(0.5));
+    let mut plan = asked.clone();
+    plan.keep_back(&scene.meshes[0].mesh, 0.0);
+    let error = plan.reserve.unwrap().error_local;
+    for (centre, radius) in [(DVec3::ZERO, 0.1), (DVec3::new(0.9, -0.9, 0.3), 0.3), (DVec3::ZERO, 1.4)] {
+        let (whole, rest) = (asked.tolerance_at(centre, radius), plan.tolerance_at(centre, radius));
+        assert!(rest + error <= whole && rest > 0.7 * whole, "{rest} and {error} of {whole}");
+    }
+}
+
+#[test]
 fn the_strictest_view_and_instance_decide() {
     let far = ToleranceView { eye: [0.0, 0.0, 300.0], ..view() };
     let both = |views: Vec<ToleranceView>| Allowed::Pixels { tolerance_px: 1.0, views };

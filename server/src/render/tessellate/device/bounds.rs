@@ -40,6 +40,7 @@ pub struct Bounds {
 }
 
 /// Triangles or lines, and what is found of them.
+#[derive(Clone, Copy)]
 struct Regions<'r> {
     facets: &'r Stream,
     lines: &'r Stream,
@@ -69,25 +70,30 @@ impl Bounds {
         })
     }
 
-    /// The bounds of the first `count` of `facets`, local units; of those above `cap` anything above it.
-    pub fn find(&self, job: &JobContext<'_>, facets: &Stream, count: u64, cap: f32) -> Result<Stream> {
+    /// Records the bounds of the first `count` of `facets`, local units; of those above `cap` anything above it. At seams
+    /// what was recorded has to run first: what follows goes into the recorder that comes back.
+    pub fn record<'r>(
+        &self,
+        job: &'r JobContext<'_>,
+        mut recorder: Recorder<'r>,
+        facets: &Stream,
+        count: u64,
+        cap: f32,
+    ) -> Result<(Recorder<'r>, Stream)> {
         let device = &self.device;
         let bounds = Stream::new(device, "bounds", WORD, count)?;
         let nothing = Stream::new(device, "no lines", size_of::<Line>() as u32, 0)?;
         let displaced = Stream::new(device, "displaced", MAT3, 0)?;
-        let mut recorder = device.recorder(job.cancel, job.progress);
         let regions =
             Regions { facets, lines: &nothing, of_lines: false, count, cap, bounds: &bounds, displaced: &displaced };
-        self.record(&mut recorder, &regions)?;
-        if self.ramps.is_empty() {
-            recorder.finish()?;
-        } else {
-            self.add_ramps(job, recorder, facets, count, cap, &bounds)?;
+        self.record_regions(&mut recorder, &regions)?;
+        if !self.ramps.is_empty() {
+            recorder = self.record_ramps(job, recorder, &regions)?;
         }
-        Ok(bounds)
+        Ok((recorder, bounds))
     }
 
-    fn record(&self, recorder: &mut Recorder<'_>, regions: &Regions<'_>) -> Result<()> {
+    fn record_regions(&self, recorder: &mut Recorder<'_>, regions: &Regions<'_>) -> Result<()> {
         let map_bounds = Stream::new(&self.device, "map_bounds", VEC4, regions.count)?;
         for layer in 0..self.stride.max(1) {
             self.record_map(recorder, regions, layer, &map_bounds)?;
@@ -146,80 +152,67 @@ impl Bounds {
         Ok(())
     }
 
-    /// Adds what ramps come to.
-    fn add_ramps(
+    /// Adds what ramps come to to the bounds of triangles.
+    fn record_ramps<'r>(
         &self,
-        job: &JobContext<'_>,
-        mut recorder: Recorder<'_>,
-        facets: &Stream,
-        count: u64,
-        cap: f32,
-        bounds: &Stream,
-    ) -> Result<()> {
-        let device = &self.device;
+        job: &'r JobContext<'_>,
+        mut recorder: Recorder<'r>,
+        of: &Regions<'_>,
+    ) -> Result<Recorder<'r>> {
+        let (device, count) = (&self.device, of.count);
         let line_counts = Stream::new(device, "line_counts", WORD, count)?;
         let line_offsets = Stream::new(device, "line_offsets", WORD, count)?;
         let scan = Scan::new(device, count)?;
-        let params = BoundLineCountsParams { count: count as u32, cap };
+        let params = BoundLineCountsParams { count: count as u32, cap: of.cap };
         let streams = [
-            ("facets", facets),
+            ("facets", of.facets),
             ("bound_triangles", &self.triangles),
             ("ramps", &self.ramps),
-            ("bounds", bounds),
+            ("bounds", of.bounds),
             ("line_counts", &line_counts),
         ];
         recorder.dispatch(&SHADERS.bound_line_counts, count, &params, &streams)?;
         scan.record(&mut recorder, &line_counts, &line_offsets, count)?;
         recorder.finish()?;
+        let mut recorder = device.recorder(job.cancel, job.progress);
         let total = scan.total()?;
         if total == 0 {
-            return Ok(());
+            return Ok(recorder);
         }
-        let mut recorder = device.recorder(job.cancel, job.progress);
-        let lines = self.record_lines(&mut recorder, facets, &line_offsets, count, total)?;
-        let line_bounds = Stream::new(device, "line_bounds", WORD, total)?;
+        let lines = self.record_lines(&mut recorder, of, &line_offsets, total)?;
+        let bounds = Stream::new(device, "line_bounds", WORD, total)?;
         let displaced = Stream::new(device, "displaced", MAT3, total)?;
-        // What lines come to is not bounded by what is allowed: they are short.
-        let (cap, bounds_of) = (f32::MAX, &line_bounds);
-        let regions = Regions {
-            facets,
-            lines: &lines,
-            of_lines: true,
-            count: total,
-            cap,
-            bounds: bounds_of,
-            displaced: &displaced,
-        };
-        self.record(&mut recorder, &regions)?;
+        // What lines come to has no cap: they are short.
+        let regions =
+            Regions { lines: &lines, of_lines: true, count: total, bounds: &bounds, displaced: &displaced, ..*of };
+        self.record_regions(&mut recorder, &regions)?;
         let streams = [
-            ("facets", facets),
+            ("facets", of.facets),
             ("bound_triangles", &self.triangles),
             ("ramps", &self.ramps),
             ("ramp_parts", &self.ramp_parts),
             ("line_counts", &line_counts),
             ("line_offsets", &line_offsets),
-            ("line_bounds", &line_bounds),
+            ("line_bounds", &bounds),
             ("displaced", &displaced),
-            ("bounds", bounds),
+            ("bounds", of.bounds),
         ];
         recorder.dispatch(&SHADERS.bound_ramps, count, &BoundRampsParams { count: count as u32 }, &streams)?;
-        recorder.finish()?;
-        Ok(())
+        Ok(recorder)
     }
 
     fn record_lines(
         &self,
         recorder: &mut Recorder<'_>,
-        facets: &Stream,
+        of: &Regions<'_>,
         line_offsets: &Stream,
-        count: u64,
         total: u64,
     ) -> Result<Stream> {
         let places = Stream::new(&self.device, "places", PAIR, total)?;
         let lines = Stream::new(&self.device, "lines", size_of::<Line>() as u32, total)?;
-        expand::record(recorder, line_offsets, &places, count, total)?;
+        expand::record(recorder, line_offsets, &places, of.count, total)?;
         let streams = [
-            ("facets", facets),
+            ("facets", of.facets),
             ("bound_triangles", &self.triangles),
             ("ramps", &self.ramps),
             ("ramp_parts", &self.ramp_parts),

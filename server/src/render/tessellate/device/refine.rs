@@ -19,7 +19,7 @@ use crate::{
         lists::compact::Compact,
         refine::{Refinement, Round},
     },
-    vulkan::{Device, Stream},
+    vulkan::{Device, Recorder, Stream},
 };
 
 const WORD: u32 = 4;
@@ -61,11 +61,11 @@ fn wanted(
     allowed: f32,
 ) -> Result<Stream> {
     let (list, count) = new_triangles(job, device, refinement)?;
-    let facets = places(job, device, refinement, &list, count)?;
-    let found = bounds.find(job, &facets, count, allowed)?;
     let wanted = Stream::new(device, "wanted", WORD, refinement.triangles())?;
     let mut recorder = device.recorder(job.cancel, job.progress);
     recorder.fill(&wanted, 0)?;
+    let facets = record_places(device, &mut recorder, refinement, &list, count)?;
+    let (mut recorder, found) = bounds.record(job, recorder, &facets, count, allowed)?;
     let params = RefineJudgeParams { count: count as u32, allowed };
     let streams = [("list", &list), ("bounds", &found), ("states", &refinement.states), ("wanted", &wanted)];
     recorder.dispatch(&SHADERS.refine_judge, count, &params, &streams)?;
@@ -87,15 +87,14 @@ fn new_triangles(job: &JobContext<'_>, device: &Arc<Device>, refinement: &Refine
     Ok((list, compact.total()?))
 }
 
-fn places(
-    job: &JobContext<'_>,
+fn record_places(
     device: &Arc<Device>,
+    recorder: &mut Recorder<'_>,
     refinement: &Refinement,
     list: &Stream,
     count: u64,
 ) -> Result<Stream> {
     let facets = Stream::new(device, "facets", size_of::<FacetPlace>() as u32, count)?;
-    let mut recorder = device.recorder(job.cancel, job.progress);
     let streams = [
         ("list", list),
         ("triangles", &refinement.triangles),
@@ -104,6 +103,5 @@ fn places(
         ("facets", &facets),
     ];
     recorder.dispatch(&SHADERS.refine_places, count, &RefinePlacesParams { count: count as u32 }, &streams)?;
-    recorder.finish()?;
     Ok(facets)
 }

@@ -4,11 +4,13 @@
 //! | file | passes |
 //! |---|---|
 //! | `simplify.rs` | star_counts, star_fill, simplify_places |
-//! | `simplify/collapse.rs` | collapse_slots, _moves, _places, _candidate, _select, _apply, _pack |
+//! | `simplify/collapse.rs` | collapse_select, _apply, _pack |
+//! | `simplify/moves.rs` | collapse_slots, _moves, _estimate, _places, _candidate |
 //! | `simplify/flip.rs` | flip_find, _places, _choose, _apply, _around |
 
 mod collapse;
 mod flip;
+mod moves;
 
 use std::sync::Arc;
 
@@ -58,9 +60,9 @@ struct Stars {
     items: Stream,
 }
 
-/// Vertices whose candidates are to be found anew.
-struct Dirty {
-    list: Stream,
+/// Vertices, the first `count` of the stream.
+struct List {
+    vertices: Stream,
     count: u64,
 }
 
@@ -94,9 +96,9 @@ impl<'s> Simplification<'s> {
     /// Collapses all that can be, then flips and collapses again `sweeps` times. Returns the rounds of collapses.
     pub fn run(&mut self, sweeps: u32) -> Result<u32> {
         let all: Vec<u32> = (0..self.vertices.len() as u32).collect();
-        let list = Stream::from_slice(&self.device, "dirty", &all)?;
+        let vertices = Stream::from_slice(&self.device, "dirty", &all)?;
         let mut rounds = 0;
-        self.collapse(Dirty { list, count: all.len() as u64 }, &mut rounds)?;
+        self.collapse(List { vertices, count: all.len() as u64 }, &mut rounds)?;
         for _ in 0..sweeps {
             let Some(dirty) = self.flip()? else { break };
             self.collapse(dirty, &mut rounds)?;
@@ -144,17 +146,15 @@ impl<'s> Simplification<'s> {
         Ok(stars)
     }
 
-    /// The bounds of all triangles, local units.
-    fn errors(&self) -> Result<Stream> {
+    /// Records the bounds of all triangles, local units.
+    fn errors(&self, mut recorder: Recorder<'s>) -> Result<(Recorder<'s>, Stream)> {
         let triangles = self.triangles.len();
         let facets = self.stream("facets", size_of::<FacetPlace>() as u32, triangles)?;
-        let mut recorder = self.recorder();
         let streams =
             [("triangles", &self.triangles), ("vertices", &self.vertices), ("bases", &self.bases), ("facets", &facets)];
         let params = SimplifyPlacesParams { count: triangles as u32 };
         recorder.dispatch(&SHADERS.simplify_places, triangles, &params, &streams)?;
-        recorder.finish()?;
-        self.bounds.find(self.job, &facets, triangles, self.tolerance)
+        self.bounds.record(self.job, recorder, &facets, triangles, self.tolerance)
     }
 }
 

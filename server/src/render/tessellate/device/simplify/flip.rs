@@ -8,14 +8,14 @@ use displace_glsl::{
     },
 };
 
-use super::{Dirty, PAIR, Simplification, Stars, WORD};
+use super::{List, PAIR, Simplification, Stars, WORD};
 use crate::{
     domain::Result,
     render::{
         lists::{compact::Compact, expand, scan::Scan},
         tessellate::simplify::FLIP_ROUNDS,
     },
-    vulkan::Stream,
+    vulkan::{Recorder, Stream},
 };
 
 /// Sides that may be turned: three of each triangle.
@@ -28,9 +28,9 @@ struct Sides {
     total: u64,
 }
 
-impl Simplification<'_> {
+impl<'s> Simplification<'s> {
     /// Returns the vertices around which triangles changed; none where nothing did.
-    pub(super) fn flip(&mut self) -> Result<Option<Dirty>> {
+    pub(super) fn flip(&mut self) -> Result<Option<List>> {
         let touched = self.stream("touched", WORD, self.vertices.len())?;
         let mut recorder = self.recorder();
         recorder.fill(&touched, 0)?;
@@ -50,9 +50,8 @@ impl Simplification<'_> {
     fn flip_once(&mut self, touched: &Stream) -> Result<bool> {
         let mut recorder = self.recorder();
         let stars = self.stars(&mut recorder)?;
-        recorder.finish()?;
-        let sides = self.sides(&stars)?;
-        let bounds = self.flipped(&sides)?;
+        let sides = self.sides(recorder, &stars)?;
+        let (mut recorder, bounds) = self.flipped(&sides)?;
         let triangles = self.triangles.len();
         let choices = self.stream("choices", WORD, triangles)?;
         let changed = Stream::from_slice(&self.device, "changed", &[0u32])?;
@@ -68,7 +67,6 @@ impl Simplification<'_> {
             ("bounds", &bounds),
             ("choices", &choices),
         ];
-        let mut recorder = self.recorder();
         recorder.dispatch(&SHADERS.flip_choose, triangles, &params, &streams)?;
         let streams = [
             ("flips", &sides.flips),
@@ -82,8 +80,8 @@ impl Simplification<'_> {
         Ok(changed.read::<u32>()? != [0])
     }
 
-    fn sides(&self, stars: &Stars) -> Result<Sides> {
-        let errors = self.errors()?;
+    fn sides(&self, recorder: Recorder<'s>, stars: &Stars) -> Result<Sides> {
+        let (mut recorder, errors) = self.errors(recorder)?;
         let sides = 3 * self.triangles.len();
         let flips = self.stream("flips", size_of::<Flip>() as u32, sides)?;
         let counts = self.stream("flip_counts", WORD, sides)?;
@@ -102,7 +100,6 @@ impl Simplification<'_> {
             ("flips", &flips),
             ("flip_counts", &counts),
         ];
-        let mut recorder = self.recorder();
         recorder.dispatch(&SHADERS.flip_find, sides, &params, &streams)?;
         scan.record(&mut recorder, &counts, &offsets, sides)?;
         recorder.finish()?;
@@ -110,8 +107,8 @@ impl Simplification<'_> {
         Ok(Sides { errors, flips, counts, offsets, total })
     }
 
-    /// The bounds of the triangles that come of flips.
-    fn flipped(&self, sides: &Sides) -> Result<Stream> {
+    /// Records the bounds of the triangles that come of flips.
+    fn flipped(&self, sides: &Sides) -> Result<(Recorder<'s>, Stream)> {
         let places = self.stream("places", PAIR, sides.total)?;
         let facets = self.stream("facets", size_of::<FacetPlace>() as u32, sides.total)?;
         let mut recorder = self.recorder();
@@ -126,11 +123,10 @@ impl Simplification<'_> {
         ];
         let params = FlipPlacesParams { count: sides.total as u32 };
         recorder.dispatch(&SHADERS.flip_places, sides.total, &params, &streams)?;
-        recorder.finish()?;
-        self.bounds.find(self.job, &facets, sides.total, self.tolerance)
+        self.bounds.record(self.job, recorder, &facets, sides.total, self.tolerance)
     }
 
-    fn around(&self, touched: &Stream) -> Result<Dirty> {
+    fn around(&self, touched: &Stream) -> Result<List> {
         let (vertices, triangles) = (self.vertices.len(), self.triangles.len());
         let around = self.stream("around", WORD, vertices)?;
         let list = self.stream("dirty", WORD, vertices)?;
@@ -141,6 +137,6 @@ impl Simplification<'_> {
         recorder.dispatch(&SHADERS.flip_around, triangles, &FlipAroundParams { count: triangles as u32 }, &streams)?;
         compact.record(&mut recorder, &around, &list, vertices)?;
         recorder.finish()?;
-        Ok(Dirty { list, count: compact.total()? })
+        Ok(List { vertices: list, count: compact.total()? })
     }
 }
