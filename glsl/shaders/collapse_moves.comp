@@ -21,9 +21,6 @@ PAGED(8, readonly, uint, list);
 PAGED(9, readonly, uvec2, slots);         // listed vertex less `first`, and which of its slots
 PAGED(10, writeonly, uint, move_to);      // or NOWHERE
 PAGED(11, writeonly, uint, move_counts);  // triangles that change
-PAGED(12, writeonly, float, move_errors); // no less, local units
-
-const float TOO_MUCH = 1e30;
 
 struct Star {
     uint vertex;
@@ -51,32 +48,30 @@ bool is_along(const RefinedVertex moving, const RefinedVertex target) {
     return target.kind == CORNER && any(equal(LOAD(sheets, moving.owner).gv, uvec2(target.owner)));
 }
 
-// How far the place that the vertex leaves is from a new triangle that lies over it: most that fail, fail there.
-float lost(const uint vertex, const uvec3 left, const Facet after, const uvec3 a, const uvec3 b, const uvec3 c) {
+// Whether the place the vertex leaves, if it lies in the new triangle, stays within the tolerance: most that fail, fail
+// there.
+bool covers(const uint vertex, const uvec3 left, const Facet after, const uvec3 a, const uvec3 b, const uvec3 c) {
     int64_t over_a = twice_area(left, b, c), over_b = twice_area(a, left, c), over_c = twice_area(a, b, left);
     if (over_a < 0l || over_b < 0l || over_c < 0l) {
-        return 0.0;
+        return true;
     }
     vec3 shares = vec3(over_a, over_b, over_c) / float(over_a + over_b + over_c);
     vec3 flat_place = position_of(after.gv.x) * shares.x + position_of(after.gv.y) * shares.y
         + position_of(after.gv.z) * shares.z;
-    return distance(flat_place, position_of(vertex));
+    return distance(flat_place, position_of(vertex)) <= params.tolerance;
 }
 
-// What is lost by a triangle's change, or TOO_MUCH.
-float change(const uint vertex, const Facet before, const Facet after) {
+bool is_allowed(const uint vertex, const Facet before, const Facet after) {
     RefineBase base = base_of(after.base);
     uvec3 a = barycentrics(vertex_of(after.gv.x), base);
     uvec3 b = barycentrics(vertex_of(after.gv.y), base);
     uvec3 c = barycentrics(vertex_of(after.gv.z), base);
-    if (twice_area(a, b, c) <= 0l || !faces_as(before, after)) {
-        return TOO_MUCH;
-    }
-    return lost(vertex, barycentrics(vertex_of(vertex), base), after, a, b, c);
+    uvec3 left = barycentrics(vertex_of(vertex), base);
+    return twice_area(a, b, c) > 0l && faces_as(before, after) && covers(vertex, left, after, a, b, c);
 }
 
-// How many triangles vanish; none where the vertex may not go.
-uint vanishing(const Star star, const uint slot, const uint to) {
+// The triangles that change, or none where the vertex may not go.
+uint changing(const Star star, const uint slot, const uint to) {
     RefinedVertex moving = vertex_of(star.vertex);
     bool on_edge = moving.kind == EDGE;
     if (on_edge && !is_along(moving, vertex_of(to))) {
@@ -92,19 +87,16 @@ uint vanishing(const Star star, const uint slot, const uint to) {
         }
         vanish += vanishes ? 1u : 0u;
     }
-    return vanish == (on_edge ? LOAD(sheets, moving.owner).count : 2u) ? vanish : 0u;
-}
-
-// What is lost by going there.
-float least(const Star star, const uint to) {
-    float most = 0.0;
-    [[dont_unroll]] for (uint k = 0u; k < star.count && most <= params.tolerance; ++k) {
+    if (vanish != (on_edge ? LOAD(sheets, moving.owner).count : 2u)) {
+        return 0u;
+    }
+    [[dont_unroll]] for (uint k = 0u; k < star.count; ++k) {
         Facet facet = facet_around(star, k);
-        if (!has(facet, to)) {
-            most = max(most, change(star.vertex, facet, moved(facet, star.vertex, to)));
+        if (!has(facet, to) && !is_allowed(star.vertex, facet, moved(facet, star.vertex, to))) {
+            return 0u;
         }
     }
-    return most;
+    return star.count - vanish;
 }
 
 void element(uint i) {
@@ -113,12 +105,9 @@ void element(uint i) {
     uint first = LOAD(star_first, vertex);
     Star star = Star(vertex, first, min(LOAD(star_first, vertex + 1u) - first, MOST_AROUND));
     uint to = neighbour(star, slot.y);
-    uint vanish = vanishing(star, slot.y, to);
-    float error = vanish > 0u ? least(star, to) : TOO_MUCH;
-    bool goes = error <= params.tolerance;
-    STORE(move_to, i, goes ? to : NOWHERE);
-    STORE(move_counts, i, goes ? star.count - vanish : 0u);
-    STORE(move_errors, i, error);
+    uint change = changing(star, slot.y, to);
+    STORE(move_to, i, change > 0u ? to : NOWHERE);
+    STORE(move_counts, i, change);
 }
 
 #include "batch.glsl"

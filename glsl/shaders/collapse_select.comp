@@ -1,6 +1,6 @@
 #version 460
 // Selects the vertices whose candidate comes before those of all neighbours: by error, then by mixed numbers, so that
-// along a row not each waits for the next. Where only an estimate does, it is to be found out.
+// along a row not each waits for the next.
 #include "common.glsl"
 #include "pages.glsl"
 #include "simplify.glsl"
@@ -14,7 +14,6 @@ layout(push_constant, scalar) uniform Params {
 
 PAGED(3, readonly, Candidate, candidates);
 PAGED(4, writeonly, uint, selected); // where it goes, or NOWHERE
-PAGED(5, writeonly, uint, unsure);   // 0 or 1
 
 Candidate candidate_of(const uint vertex) {
     return LOAD(candidates, vertex);
@@ -39,8 +38,7 @@ void element(uint i) {
         uvec3 gv = facet_of(LOAD(star_items, first + k)).gv;
         wins = comes_first(i, own, gv.x) && comes_first(i, own, gv.y) && comes_first(i, own, gv.z);
     }
-    STORE(selected, i, wins && own.to != UNSURE ? own.to : NOWHERE);
-    STORE(unsure, i, wins && own.to == UNSURE ? 1u : 0u);
+    STORE(selected, i, wins ? own.to : NOWHERE);
 }
 
 #include "batch.glsl"

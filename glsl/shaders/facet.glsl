@@ -5,11 +5,10 @@ struct Facet {
     uint base;
 };
 
-// What is known of drawing a vertex into a neighbour.
+// Where a vertex would go, and the largest error of the triangles that come of it, local units.
 struct Candidate {
-    uint to;     // the neighbour that costs least; NOWHERE: it may not go; UNSURE: any way costs at least the error
-    float error; // the largest of the triangles that come of it, local units
+    uint to; // or NOWHERE
+    float error;
 };
 
 const uint NOWHERE = 0xffffffffu;
-const uint UNSURE = 0xfffffffeu;

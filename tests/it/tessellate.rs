@@ -30,11 +30,14 @@ struct Subject {
 
 impl Subject {
     fn new(mesh: &TestMesh, feather_texels: f32, layers: Vec<Layer>) -> Self {
+        Self::with(mesh, &Geometry { feather_texels, ..uniform(0) }, layers)
+    }
+
+    fn with(mesh: &TestMesh, geometry: &Geometry, layers: Vec<Layer>) -> Self {
         let mesh = mesh.to_mesh_without_tangents();
-        let geometry = Geometry { feather_texels, ..uniform(0) };
         let detail = Arc::new(Detail { layers, uv_set: 0 });
         let details = vec![Some(detail); mesh.primitives.len()];
-        let plan = plan(&mesh, &geometry).expect("fits");
+        let plan = plan(&mesh, geometry).expect("fits");
         Self { tables: passes::tables::build(&plan, &mesh, &details).expect("tables"), base: base(&mesh), mesh }
     }
 }

@@ -8,11 +8,11 @@ mirrors! {
         pub base: u32,
     }
 
-    /// What is known of drawing a vertex into a neighbour.
+    /// Where a vertex would go, and the largest error of the triangles that come of it.
     pub struct Candidate {
-        /// [`NOWHERE`]: it may not go; one less: any way costs at least the error.
+        /// Or [`NOWHERE`].
         pub to: u32,
-        /// The largest of the triangles that come of it, local units.
+        /// Local units.
         pub error: f32,
     }
 
@@ -53,11 +53,6 @@ mirrors! {
         pub count: u32,
         pub first: u32,
         pub tolerance: f32,
-    }
-
-    pub struct CollapseEstimateParams {
-        pub count: u32,
-        pub first: u32,
     }
 
     pub struct CollapsePlacesParams {

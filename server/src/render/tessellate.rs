@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use super::JobContext;
 use crate::{
     domain::{
-        Result,
+        ErrorKind, Result,
         fit::Fit,
         mesh::Mesh,
         plan::TolerancePlan,
@@ -105,7 +105,7 @@ fn attempts(
     let work = |factor| Work::new(job, plan, &places, mesh, factor);
     let mut factor = 1.0;
     for _ in 0..MOST_ATTEMPTS {
-        match (Work { on: on.as_ref(), ..work(factor) }).run()? {
+        match (Work { on: on.as_ref(), ..work(factor) }).run_anywhere()? {
             Attempt::Done(result) => return Ok(result),
             Attempt::TooMany { most_likely } => factor *= most_likely.max(1.1),
         }
@@ -157,6 +157,18 @@ impl<'w> Work<'w> {
         usize::from(self.plan.quality == Quality::High)
     }
 
+    /// On the device, if it has room.
+    fn run_anywhere(&self) -> Result<Attempt> {
+        match self.run() {
+            Err(error) if self.on.is_some() && error.kind == ErrorKind::TooLarge => self.run_on_host(),
+            done => done,
+        }
+    }
+
+    fn run_on_host(&self) -> Result<Attempt> {
+        Self { on: None, ..*self }.run()
+    }
+
     fn run(&self) -> Result<Attempt> {
         let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
         let limit = budget.saturating_mul(MOST_REFINED);
@@ -174,7 +186,7 @@ impl<'w> Work<'w> {
         let worst = self.worst(&mesh);
         if self.on.is_some() && worst.0 > 1.0 {
             // Rounding to f32 has let a triangle pass that should not have.
-            return Self { on: None, ..*self }.run();
+            return self.run_on_host();
         }
         Ok(Attempt::Done(self.result(mesh, worst, grown.mismatch, fit, times)))
     }

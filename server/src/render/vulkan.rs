@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use displace_glsl::ALL_SHADERS;
 
-use super::{Executor, ExecutorOptions, JobContext, image, passes};
+use super::{Executor, ExecutorOptions, JobContext, image, passes, tessellate};
 use crate::{
     domain::{
         Result,
@@ -36,7 +36,9 @@ impl VulkanExecutor {
             ..DeviceOptions::default()
         })?;
         if options.warm_up {
-            let passes: Vec<_> = ALL_SHADERS.iter().copied().filter(|s| !s.name.starts_with("selftest_")).collect();
+            let kind = device.info().kind;
+            let runs = |name: &str| !name.starts_with("selftest_") && tessellate::device::runs(kind, name);
+            let passes: Vec<_> = ALL_SHADERS.iter().copied().filter(|shader| runs(shader.name)).collect();
             device.warm_up(&passes)?;
         }
         Ok(Self::with_device(device))

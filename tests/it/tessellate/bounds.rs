@@ -12,6 +12,7 @@ use displace_server::{
     domain::{
         cancel::{Cancel, NoProgress},
         detail::{Layer, Sampling, Wrap},
+        request::SeamRule,
     },
     render::{
         JobContext,
@@ -128,6 +129,13 @@ fn bounds_are_the_twin_s_but_for_rounding() {
             }
         }
     }
+}
+
+#[test]
+fn bounds_at_seams_follow_the_rule_of_the_seams() {
+    let geometry = Geometry { seams: SeamRule::Dominant, ..uniform(0) };
+    let layers = vec![layer(map([96, 65], Wrap::Repeat, Sampling::Center, noise), 0.3, TURNED)];
+    check("cube, dominant sides", &Subject::with(&meshes::cube(), &geometry, layers), EVERYWHERE);
 }
 
 #[test]

@@ -40,9 +40,22 @@ pub fn supports(plan: &TolerancePlan, tables: &Tables) -> bool {
     plan.views.is_empty() && tables::supports(tables)
 }
 
-/// Whether the device is to do what is planned. Software devices run on the cores that the twins run on, and are slower.
+/// Whether a device is to do what is planned.
 pub(super) fn is_chosen(device: &Device, plan: &TolerancePlan, tables: &Tables) -> bool {
-    device.info().kind != DeviceKind::Cpu && supports(plan, tables)
+    is_faster(device.info().kind) && supports(plan, tables)
+}
+
+/// Software devices run on the cores that the twins run on, and do more work: all moves at once, in rounds that wait for
+/// the host.
+fn is_faster(kind: DeviceKind) -> bool {
+    kind != DeviceKind::Cpu
+}
+
+/// Whether jobs on a device of this kind ever run the pass `name`: where not, it need not be compiled.
+#[must_use]
+pub fn runs(kind: DeviceKind, name: &str) -> bool {
+    let of_tessellation = ["bound_", "refine_", "star_", "simplify_", "collapse_", "flip_"];
+    is_faster(kind) || !of_tessellation.iter().any(|start| name.starts_with(start))
 }
 
 /// As [`super::tessellate_on`], on the device whether or not that is faster; what is planned is supported.

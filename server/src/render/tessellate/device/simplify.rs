@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `simplify.rs` | star_counts, star_fill, simplify_places |
 //! | `simplify/collapse.rs` | collapse_select, _apply, _pack |
-//! | `simplify/moves.rs` | collapse_slots, _moves, _estimate, _places, _candidate |
+//! | `simplify/moves.rs` | collapse_slots, _moves, _places, _candidate |
 //! | `simplify/flip.rs` | flip_find, _places, _choose, _apply, _around |
 
 mod collapse;

@@ -1,5 +1,4 @@
-//! Rounds of collapses: where no neighbour's move costs less, a vertex goes. Only where estimates decide between
-//! neighbours is it found out what their moves cost.
+//! Rounds of collapses: where no neighbour's move costs less, a vertex goes.
 
 use displace_glsl::{
     SHADERS,
@@ -8,7 +7,7 @@ use displace_glsl::{
 
 use super::{List, Simplification, Stars, WORD};
 use crate::{
-    domain::{Error, Result},
+    domain::Result,
     render::{
         lists::{compact::Compact, scan::Scan},
         tessellate::simplify::MOST_ROUNDS,
@@ -25,57 +24,35 @@ impl Simplification<'_> {
             let mut recorder = self.recorder();
             let stars = self.stars(&mut recorder)?;
             recorder.finish()?;
-            self.estimate(&stars, &dirty)?;
-            let selected = self.select(&stars, *rounds)?;
-            let Some(next) = self.apply(&selected)? else { break };
+            self.find_out(&stars, &dirty)?;
+            let Some(next) = self.apply(&stars, *rounds)? else { break };
             dirty = next;
             *rounds += 1;
         }
         Ok(())
     }
 
-    /// Where each vertex goes that comes before its neighbours.
-    fn select(&self, stars: &Stars, round: u32) -> Result<Stream> {
-        let vertices = self.vertices.len();
-        // Each time at least one more is known.
-        for _ in 0..=vertices {
-            let selected = self.stream("selected", WORD, vertices)?;
-            let unsure = self.stream("unsure", WORD, vertices)?;
-            let list = self.stream("list", WORD, vertices)?;
-            let compact = Compact::new(&self.device, vertices)?;
-            let params = CollapseSelectParams { count: vertices as u32, round };
-            let streams = [
-                ("triangles", &self.triangles),
-                ("star_first", &stars.first),
-                ("star_items", &stars.items),
-                ("candidates", &self.candidates),
-                ("selected", &selected),
-                ("unsure", &unsure),
-            ];
-            let mut recorder = self.recorder();
-            recorder.dispatch(&SHADERS.collapse_select, vertices, &params, &streams)?;
-            compact.record(&mut recorder, &unsure, &list, vertices)?;
-            recorder.finish()?;
-            let count = compact.total()?;
-            if count == 0 {
-                return Ok(selected);
-            }
-            self.find_out(stars, &List { vertices: list, count })?;
-        }
-        Err(Error::internal("what moves cost is never known"))
-    }
-
-    /// Makes the selected moves. Returns the vertices around; none where nothing moved.
-    fn apply(&mut self, selected: &Stream) -> Result<Option<List>> {
+    /// Makes the moves that come first among neighbours. Returns the vertices around; none where nothing moved.
+    fn apply(&mut self, stars: &Stars, round: u32) -> Result<Option<List>> {
         let (vertices, triangles) = (self.vertices.len(), self.triangles.len());
+        let selected = self.stream("selected", WORD, vertices)?;
         let kept = self.stream("kept", WORD, triangles)?;
         let offsets = self.stream("offsets", WORD, triangles)?;
         let touched = self.stream("touched", WORD, vertices)?;
         let list = self.stream("dirty", WORD, vertices)?;
         let (scan, compact) = (Scan::new(&self.device, triangles)?, Compact::new(&self.device, vertices)?);
         let mut recorder = self.recorder();
+        let streams = [
+            ("triangles", &self.triangles),
+            ("star_first", &stars.first),
+            ("star_items", &stars.items),
+            ("candidates", &self.candidates),
+            ("selected", &selected),
+        ];
+        let params = CollapseSelectParams { count: vertices as u32, round };
+        recorder.dispatch(&SHADERS.collapse_select, vertices, &params, &streams)?;
         recorder.fill(&touched, 0)?;
-        let streams = [("selected", selected), ("triangles", &self.triangles), ("kept", &kept), ("touched", &touched)];
+        let streams = [("selected", &selected), ("triangles", &self.triangles), ("kept", &kept), ("touched", &touched)];
         let params = CollapseApplyParams { count: triangles as u32 };
         recorder.dispatch(&SHADERS.collapse_apply, triangles, &params, &streams)?;
         scan.record(&mut recorder, &kept, &offsets, triangles)?;

@@ -1,14 +1,11 @@
-//! What moves of vertices cost: at least, at the place that a vertex leaves, and by the bounds of the triangles that come
-//! of them. Every move of every listed vertex is judged at once.
+//! What moves of vertices cost, by the bounds of the triangles that come of them. Every move of every listed vertex is
+//! judged at once: the twin finds out fewer, one after the other, where a device has threads to spare and waits for hosts.
 
 use displace_glsl::{
     SHADERS,
     layout::{
         bound::FacetPlace,
-        simplify::{
-            CollapseCandidateParams, CollapseEstimateParams, CollapseMovesParams, CollapsePlacesParams,
-            CollapseSlotsParams,
-        },
+        simplify::{CollapseCandidateParams, CollapseMovesParams, CollapsePlacesParams, CollapseSlotsParams},
     },
 };
 
@@ -41,30 +38,9 @@ struct Moves {
     to: Stream,
     /// Triangles that change.
     counts: Stream,
-    /// At least, local units.
-    errors: Stream,
 }
 
 impl<'s> Simplification<'s> {
-    /// What any move of the listed vertices costs at least.
-    pub(super) fn estimate(&self, stars: &Stars, list: &List) -> Result<()> {
-        for chunk in chunks(stars, list) {
-            let (mut recorder, moves) = self.record_moves(&chunk)?;
-            let params = CollapseEstimateParams { count: chunk.count as u32, first: chunk.first as u32 };
-            let streams = [
-                ("list", chunk.list),
-                ("slot_counts", &moves.slot_counts),
-                ("slot_offsets", &moves.slot_offsets),
-                ("move_to", &moves.to),
-                ("move_errors", &moves.errors),
-                ("candidates", &self.candidates),
-            ];
-            recorder.dispatch(&SHADERS.collapse_estimate, chunk.count, &params, &streams)?;
-            recorder.finish()?;
-        }
-        Ok(())
-    }
-
     /// The moves of the listed vertices that cost least.
     pub(super) fn find_out(&self, stars: &Stars, list: &List) -> Result<()> {
         for chunk in chunks(stars, list) {
@@ -109,7 +85,6 @@ impl<'s> Simplification<'s> {
             slots: self.stream("slots", PAIR, total)?,
             to: self.stream("move_to", WORD, total)?,
             counts: self.stream("move_counts", WORD, total)?,
-            errors: self.stream("move_errors", WORD, total)?,
         };
         let mut recorder = self.recorder();
         expand::record(&mut recorder, &moves.slot_offsets, &moves.slots, chunk.count, total)?;
@@ -128,7 +103,6 @@ impl<'s> Simplification<'s> {
             ("slots", &moves.slots),
             ("move_to", &moves.to),
             ("move_counts", &moves.counts),
-            ("move_errors", &moves.errors),
         ];
         recorder.dispatch(&SHADERS.collapse_moves, total, &params, &streams)?;
         Ok((recorder, moves))
