@@ -62,7 +62,7 @@ const START: [f64; 2] = [0.85, 0.5];
 /// Flips and collapses by turns, so often.
 const SWEEPS: [u32; 2] = [1, 4];
 /// A refined mesh with more triangles for each that is allowed will not collapse into the budget.
-const MOST_REFINED: u64 = 4;
+const MOST_REFINED: u64 = 8;
 /// f32 positions are off by half a unit in the last place along each axis, with their place and their height.
 const ROUNDING: f64 = 2.0 / (1 << 24) as f64;
 /// A tolerance that cannot be kept within the budget is loosened so often at most: each time by a tenth and more.
