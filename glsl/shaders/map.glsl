@@ -57,3 +57,12 @@ uvec3 wrapped(const MapAxis axis, const int first) {
     int last = next + 1 < axis.period ? next + 1 : 0;
     return uvec3(texel_number(axis, i.x, r), texel_number(axis, i.y, next), texel_number(axis, i.z, last));
 }
+
+// Texel number of lattice coordinate i.
+uint texel_of(const MapAxis axis, const int lattice) {
+    int i = clamp(lattice, axis.low, axis.high);
+    int r = i - integer(floor(float(i) * axis.inverse_period)) * axis.period;
+    r += r < 0 ? axis.period : 0;
+    r -= r >= axis.period ? axis.period : 0;
+    return texel_number(axis, i, r);
+}

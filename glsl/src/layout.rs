@@ -36,7 +36,9 @@ mirrors! {
     }
 }
 
+pub mod bound;
 pub mod geometry;
 pub mod lists;
 pub mod raster;
 pub mod refine;
+pub mod simplify;

@@ -16,6 +16,7 @@ mod pieces;
 mod raster;
 mod refine;
 mod service;
+mod tessellate;
 mod tidy;
 mod tolerance;
 mod vulkan;

@@ -35,6 +35,20 @@ mirrors! {
         pub reversed: u32,
     }
 
+    pub struct RefineNewParams {
+        pub count: u32,
+    }
+
+    pub struct RefinePlacesParams {
+        pub count: u32,
+    }
+
+    pub struct RefineJudgeParams {
+        pub count: u32,
+        /// Local units.
+        pub allowed: f32,
+    }
+
     pub struct RefineMarkParams {
         pub count: u32,
         pub closing: u32,

@@ -44,7 +44,7 @@ use crate::{
 };
 use streams::{BaseStreams, FineStreams};
 
-use super::{JobContext, tessellate::tessellate};
+use super::{JobContext, tessellate::tessellate_on};
 
 /// Displaces one mesh on a device.
 pub fn displace(
@@ -62,7 +62,7 @@ pub fn displace(
         }
         TessellationPlan::Tolerance(tolerance) => {
             let tables = tables::build(plan, mesh, details)?;
-            let tessellation = tessellate(job, tolerance, &tables, mesh)?;
+            let tessellation = tessellate_on(device, job, tolerance, &tables, mesh)?;
             let base = BaseStreams::new(device, &tables)?;
             tessellation.finished(mesh, |shape| pieces::finish(device, recorder, plan, &tables, &base, mesh, shape))
         }

@@ -25,14 +25,14 @@ const WORD: u32 = 4;
 /// A mesh being refined, in device memory.
 pub struct Refinement {
     device: Arc<Device>,
-    bases: Stream,
+    pub(super) bases: Stream,
     base_edges: Stream,
     base_positions: Stream,
-    vertices: Stream,
+    pub(super) vertices: Stream,
     edges: Stream,
-    triangles: Stream,
+    pub(super) triangles: Stream,
     /// 0 of triangles that the last round made.
-    states: Stream,
+    pub(super) states: Stream,
 }
 
 /// What a round did.

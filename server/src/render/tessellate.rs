@@ -1,10 +1,12 @@
 //! The fewest triangles within a tolerance: refinement until every triangle keeps the bound, then collapses and flips
-//! that keep it. By the f64 twins, on all cores.
+//! that keep it. By the f64 twins, on all cores, or by the passes (`device`), which know height layers and a tolerance
+//! that is the same everywhere.
 
+pub mod device;
 mod refine;
 mod simplify;
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use displace_glsl::{
     layout::refine::RefinedTriangle,
@@ -19,15 +21,20 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::JobContext;
-use crate::domain::{
-    Result,
-    fit::Fit,
-    mesh::Mesh,
-    plan::TolerancePlan,
-    report::PassTime,
-    request::{ErrorAt, Quality},
-    surface::{Arrangement, Shape, Surface},
+use crate::{
+    domain::{
+        Result,
+        fit::Fit,
+        mesh::Mesh,
+        plan::TolerancePlan,
+        report::PassTime,
+        request::{ErrorAt, Quality},
+        surface::{Arrangement, Shape, Surface},
+    },
+    vulkan::Device,
 };
+use device::OnDevice;
+use refine::Grown;
 
 /// The tessellation of one base mesh.
 #[derive(Clone, Debug)]
@@ -68,19 +75,46 @@ const ROUNDING: f64 = 2.0 / (1 << 24) as f64;
 /// A tolerance that cannot be kept within the budget is loosened so often at most: each time by a tenth and more.
 const MOST_ATTEMPTS: u32 = 64;
 
-/// Tessellates `mesh`, whose tables are at level 0.
+/// Tessellates `mesh`, whose tables are at level 0, on the processor.
 pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, mesh: &Mesh) -> Result<Tessellated> {
+    attempts(job, plan, tables, mesh, None)
+}
+
+/// As [`tessellate`], where a device is at hand: on it, if it can and is faster.
+pub fn tessellate_on(
+    device: &Arc<Device>,
+    job: &JobContext<'_>,
+    plan: &TolerancePlan,
+    tables: &Tables,
+    mesh: &Mesh,
+) -> Result<Tessellated> {
+    let on = device::is_chosen(device, plan, tables).then_some(device);
+    attempts(job, plan, tables, mesh, on)
+}
+
+fn attempts(
+    job: &JobContext<'_>,
+    plan: &TolerancePlan,
+    tables: &Tables,
+    mesh: &Mesh,
+    device: Option<&Arc<Device>>,
+) -> Result<Tessellated> {
     let base = super::refine::base(mesh);
     let places = Places::new(tables, &base);
+    let on = device.map(|device| OnDevice::new(device, &places, asked(plan))).transpose()?;
+    let work = |factor| Work::new(job, plan, &places, mesh, factor);
     let mut factor = 1.0;
     for _ in 0..MOST_ATTEMPTS {
-        let work = Work::new(job, plan, &places, mesh, factor);
-        match work.run()? {
+        match (Work { on: on.as_ref(), ..work(factor) }).run()? {
             Attempt::Done(result) => return Ok(result),
             Attempt::TooMany { most_likely } => factor *= most_likely.max(1.1),
         }
     }
-    Work::new(job, plan, &places, mesh, 1.0).of_base()
+    work(1.0).of_base()
+}
+
+fn asked(plan: &TolerancePlan) -> Asked {
+    Asked { at_texels: plan.error_at == ErrorAt::Texels }
 }
 
 /// What a tolerance leads to.
@@ -93,6 +127,7 @@ enum Attempt {
 }
 
 /// One attempt at the tolerance of the plan times `factor`.
+#[derive(Clone, Copy)]
 struct Work<'w> {
     job: &'w JobContext<'w>,
     plan: &'w TolerancePlan,
@@ -102,6 +137,8 @@ struct Work<'w> {
     factor: f64,
     /// What rounding may take of it, local units.
     rounding: f64,
+    /// None: by the twins.
+    on: Option<&'w OnDevice>,
 }
 
 impl<'w> Work<'w> {
@@ -113,8 +150,7 @@ impl<'w> Work<'w> {
         factor: f64,
     ) -> Self {
         let reach = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        let asked = Asked { at_texels: plan.error_at == ErrorAt::Texels };
-        Self { job, plan, places, mesh, asked, factor, rounding: ROUNDING * f64::from(reach) }
+        Self { job, plan, places, mesh, asked: asked(plan), factor, rounding: ROUNDING * f64::from(reach), on: None }
     }
 
     fn quality(&self) -> usize {
@@ -125,23 +161,43 @@ impl<'w> Work<'w> {
         let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
         let limit = budget.saturating_mul(MOST_REFINED);
         let mut times = Vec::new();
-        let Some(grown) = timed("refine", &mut times, || self.refine(START[self.quality()], limit))? else {
+        let Some(grown) = timed("refine", &mut times, || self.grow(START[self.quality()], limit))? else {
             return Ok(Attempt::TooMany { most_likely: 2.0 });
         };
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
         let mut mesh = grown.mesh;
-        fit.collapse_rounds = timed("collapse", &mut times, || self.simplify(&mut mesh, SWEEPS[self.quality()]))?;
+        fit.collapse_rounds = timed("collapse", &mut times, || self.shrink(&mut mesh, SWEEPS[self.quality()]))?;
         let triangles = mesh.triangles.len() as u64;
         if triangles > budget {
             return Ok(Attempt::TooMany { most_likely: triangles as f64 / budget as f64 });
         }
-        Ok(Attempt::Done(self.result(mesh, grown.mismatch, fit, times)))
+        let worst = self.worst(&mesh);
+        if self.on.is_some() && worst.0 > 1.0 {
+            // Rounding to f32 has let a triangle pass that should not have.
+            return Self { on: None, ..*self }.run();
+        }
+        Ok(Attempt::Done(self.result(mesh, worst, grown.mismatch, fit, times)))
+    }
+
+    fn grow(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
+        match self.on {
+            Some(on) => self.refine_on(on, share, limit),
+            None => self.refine(share, limit),
+        }
+    }
+
+    fn shrink(&self, mesh: &mut Simplified, sweeps: u32) -> Result<u32> {
+        match self.on {
+            Some(on) => self.simplify_on(on, mesh, sweeps),
+            None => self.simplify(mesh, sweeps),
+        }
     }
 
     /// The base mesh as it is, whatever its error.
     fn of_base(&self) -> Result<Tessellated> {
         let grown = self.start()?;
-        Ok(self.result(grown.mesh, grown.mismatch, Fit::default(), Vec::new()))
+        let worst = self.worst(&grown.mesh);
+        Ok(self.result(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
     }
 
     /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
@@ -177,9 +233,15 @@ impl<'w> Work<'w> {
         })
     }
 
-    /// With the errors of all triangles, measured anew.
-    fn result(&self, mesh: Simplified, mismatch_max: f64, fit: Fit, times: Vec<PassTime>) -> Tessellated {
-        let (worst, all_known) = self.worst(&mesh);
+    /// With what was found of its errors, measured anew.
+    fn result(
+        &self,
+        mesh: Simplified,
+        (worst, all_known): (f64, bool),
+        mismatch_max: f64,
+        fit: Fit,
+        times: Vec<PassTime>,
+    ) -> Tessellated {
         let bound_local = worst * self.within(self.plan.tolerance_local) + self.rounding;
         let budget_reached = bound_local > self.plan.tolerance_local;
         // Without ramps a seam's sides stay apart from the one place both get.

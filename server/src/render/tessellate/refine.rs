@@ -64,7 +64,7 @@ impl Work<'_> {
     }
 
     /// Displaces the vertices that are new.
-    fn place(&self, refined: &Refined, grown: &mut Grown) -> Result<()> {
+    pub(super) fn place(&self, refined: &Refined, grown: &mut Grown) -> Result<()> {
         let new = &refined.vertices[grown.mesh.positions.len()..];
         let placed: Vec<_> = new.par_iter().map(|vertex| self.places.vertex(vertex)).collect();
         grown.mismatch = placed.iter().fold(grown.mismatch, |most, (_, mismatch)| most.max(*mismatch));

@@ -7,9 +7,9 @@ use super::Work;
 use crate::domain::Result;
 
 /// Rounds of flips before vertices are tried again.
-const FLIP_ROUNDS: u32 = 3;
+pub(super) const FLIP_ROUNDS: u32 = 3;
 /// Each round draws in at least one vertex; a mesh that needs more rounds than this is good enough.
-const MOST_ROUNDS: u32 = 1000;
+pub(super) const MOST_ROUNDS: u32 = 1000;
 
 impl Work<'_> {
     /// Collapses all that can be, then flips and collapses again `sweeps` times. Returns the rounds of collapses.

@@ -1,0 +1,81 @@
+#version 460
+// What one height layer does over regions: its heights at their corners, and how far it is at most from what is linear in
+// between.
+#include "common.glsl"
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#include "pages.glsl"
+#include "map.glsl"
+#include "bound.glsl"
+#include "bound_facet.glsl"
+#include "bound_region.glsl"
+#include "bound_texels.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;
+    uint of_lines;  // 0 or 1
+    uint layer;     // number among those of the region's detail
+    uint stride;    // texel places of a vertex
+    uint at_texels; // 1: maps count at their texels alone
+    float cap;      // what the bound may come to: above it, any value above it does
+} params;
+
+PAGED(3, readonly, Layer, layers);
+PAGED(4, readonly, TexelPlace, texel_places);
+PAGED(6, writeonly, vec4, map_bounds); // heights at the corners, and what is between
+
+TexelPlace texel_place(const uint av) {
+    return LOAD(texel_places, av * params.stride + params.layer);
+}
+
+// Texel space of a corner: whole lattice coordinates, and the rest in [0, 2).
+ivec2 place_of(const TexelPlace p[3], const uvec3 units, out vec2 rest) {
+    i64vec2 sum = i64vec2(p[1].whole - p[0].whole) * int64_t(units.y) + i64vec2(p[2].whole - p[0].whole) * int64_t(units.z);
+    ivec2 whole = ivec2(sum >> 24);
+    uvec2 part = uvec2(sum) & (WHOLE - 1u);
+    vec3 shares = vec3(units) * SHARE;
+    rest = vec2(part) * SHARE + shares.x * p[0].rest + shares.y * p[1].rest + shares.z * p[2].rest;
+    return p[0].whole + whole;
+}
+
+MapTriangle map_triangle(const Region region, const Layer layer) {
+    TexelPlace p[3] = TexelPlace[3](texel_place(region.av.x), texel_place(region.av.y), texel_place(region.av.z));
+    MapTriangle result;
+    uvec3 units[3] = uvec3[3](region.a, region.b, region.c);
+    [[dont_unroll]] for (uint k = 0u; k < 3u; ++k) {
+        vec2 rest;
+        ivec2 whole = place_of(p, units[k], rest);
+        if (k == 0u) {
+            result.origin = whole;
+        }
+        vec2 more = floor(rest);
+        vec2 place = vec2(whole - result.origin) + rest;
+        result.x[k] = place.x;
+        result.y[k] = place.y;
+        result.value[k] = bilinear(cell_texels(layer, whole + ivec2(more)), rest - more);
+    }
+    return result;
+}
+
+void element(uint i) {
+    Region region = region_of(i, params.of_lines != 0u);
+    if (params.layer >= region.layers.y - region.layers.x) {
+        STORE(map_bounds, i, vec4(0.0));
+        return;
+    }
+    Layer layer = LOAD(layers, region.layers.x + params.layer);
+    MapTriangle triangle = map_triangle(region, layer);
+    vec3 heights = layer.scale * (triangle.value - layer.midlevel);
+    float scale = abs(layer.scale);
+    float size = scale * region.least;
+    float between = 0.0;
+    if (scale > 0.0) {
+        // A little more, lest rounding bring what is above the cap back to it.
+        float cap = size > 0.0 ? params.cap / size * 1.00001 : 1e30;
+        between = scale * greatest_difference(layer, triangle, params.of_lines != 0u, params.at_texels != 0u, cap);
+    }
+    STORE(map_bounds, i, vec4(heights, between));
+}
+
+#include "batch.glsl"

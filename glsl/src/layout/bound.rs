@@ -1,0 +1,100 @@
+//! Tables of the bound of the distance from triangles to the surface, and push constants of the `bound_*` passes; see
+//! `bound.glsl`. Places count units of 2^-24.
+
+mirrors! {
+    /// A triangle within a base triangle: barycentrics b1, b2 of its corners.
+    #[derive(Eq)]
+    pub struct FacetPlace {
+        pub base: u32,
+        pub a: [u32; 2],
+        pub b: [u32; 2],
+        pub c: [u32; 2],
+    }
+
+    /// A piece of an edge between two attribute vertices.
+    #[derive(Eq)]
+    pub struct Line {
+        pub av: [u32; 2],
+        /// First, and the one after the last.
+        pub layers: [u32; 2],
+        /// Where it starts, where it ends, and a place in between.
+        pub along: [u32; 3],
+    }
+
+    /// A base triangle.
+    pub struct BoundTriangle {
+        pub av: [u32; 3],
+        /// First, and the one after the last.
+        pub layers: [u32; 2],
+        /// Bit k: its ae k runs from corner k + 1 to corner k.
+        pub reversed: u32,
+        /// Index of its [`Ramps`], or `geometry::NONE`.
+        pub ramps: u32,
+        /// Least length of its directions.
+        pub least: f32,
+    }
+
+    /// An attribute vertex.
+    pub struct BoundVertex {
+        pub direction: [f32; 3],
+        pub normal: [f32; 3],
+        /// What its sides agree on at a seam, less its own displacement; local units.
+        pub correction: [f32; 3],
+    }
+
+    /// Texel space of an attribute vertex under one layer of its detail: the sum of both.
+    pub struct TexelPlace {
+        pub whole: [i32; 2],
+        /// In [0, 1).
+        pub rest: [f32; 2],
+    }
+
+    /// The ramps along the sides of a base triangle.
+    pub struct Ramps {
+        /// [`RampPart`]s of each side, and how many.
+        pub first: [u32; 3],
+        pub count: [u32; 3],
+        /// Of a barycentric.
+        pub inverse_width: [f32; 3],
+    }
+
+    /// One side of a seam.
+    pub struct RampPart {
+        pub av: [u32; 2],
+        pub layers: [u32; 2],
+        /// How often it counts in what the triangle's own side is short of.
+        pub share: f32,
+    }
+
+    pub struct BoundMapsParams {
+        pub count: u32,
+        pub of_lines: u32,
+        /// Number among the layers of a detail.
+        pub layer: u32,
+        /// Texel places of a vertex.
+        pub stride: u32,
+        /// 1: maps count at their texels alone.
+        pub at_texels: u32,
+        /// Local units.
+        pub cap: f32,
+    }
+
+    pub struct BoundFieldsParams {
+        pub count: u32,
+        pub of_lines: u32,
+        pub accumulate: u32,
+    }
+
+    pub struct BoundLineCountsParams {
+        pub count: u32,
+        pub cap: f32,
+    }
+
+    pub struct BoundLinesParams {
+        pub count: u32,
+    }
+
+    pub struct BoundRampsParams {
+        pub count: u32,
+    }
+}

@@ -1,0 +1,100 @@
+//! The tessellator's passes on a Vulkan device, for meshes whose details are height layers, within a tolerance that is the
+//! same everywhere.
+//!
+//! | file | passes | makes |
+//! |---|---|---|
+//! | `tables.rs` | | what the bound reads of the base mesh |
+//! | `bounds.rs` | bound_maps, bound_fields, bound_line_counts, bound_lines, bound_ramps | the bound of listed triangles |
+//! | `refine.rs` | refine_new, refine_places, refine_judge, and those of `render::refine` | rounds of refinement |
+//! | `simplify.rs`, `simplify/` | star_*, simplify_places, collapse_*, flip_* | rounds of collapses and flips |
+
+pub mod bounds;
+mod refine;
+pub mod simplify;
+pub mod tables;
+
+use std::sync::Arc;
+
+use displace_glsl::{
+    reference::{
+        bound::Asked,
+        collapse::{Facet, Simplified},
+        place::Places,
+    },
+    tables::Tables,
+};
+
+use super::{Tessellated, Work, refine::Grown};
+use crate::{
+    domain::{Result, mesh::Mesh, plan::TolerancePlan},
+    render::JobContext,
+    vulkan::{Device, DeviceKind},
+};
+use bounds::Bounds;
+pub use refine::refine;
+use simplify::Simplification;
+
+/// Whether the passes can do what is planned.
+#[must_use]
+pub fn supports(plan: &TolerancePlan, tables: &Tables) -> bool {
+    plan.views.is_empty() && tables::supports(tables)
+}
+
+/// Whether the device is to do what is planned. Software devices run on the cores that the twins run on, and are slower.
+pub(super) fn is_chosen(device: &Device, plan: &TolerancePlan, tables: &Tables) -> bool {
+    device.info().kind != DeviceKind::Cpu && supports(plan, tables)
+}
+
+/// As [`super::tessellate_on`], on the device whether or not that is faster; what is planned is supported.
+pub fn tessellate(
+    device: &Arc<Device>,
+    job: &JobContext<'_>,
+    plan: &TolerancePlan,
+    tables: &Tables,
+    mesh: &Mesh,
+) -> Result<Tessellated> {
+    super::attempts(job, plan, tables, mesh, Some(device))
+}
+
+/// What all attempts at a tessellation share.
+pub(super) struct OnDevice {
+    device: Arc<Device>,
+    bounds: Bounds,
+    /// What f32 may take off a bound, local units.
+    rounding: f64,
+}
+
+/// Of the largest height: bounds of small triangles are off by less.
+const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
+
+impl OnDevice {
+    pub(super) fn new(device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
+        let bounds = Bounds::new(device, places, asked)?;
+        let rounding = ROUNDING * tables::largest_height(places.tables);
+        Ok(Self { device: Arc::clone(device), bounds, rounding })
+    }
+}
+
+impl Work<'_> {
+    /// As `refine`; vertices are placed by the twin.
+    pub(super) fn refine_on(&self, on: &OnDevice, share: f64, limit: u64) -> Result<Option<Grown>> {
+        let allowed = share * self.within(self.plan.tolerance_local);
+        let found = refine(self.job, &on.device, &on.bounds, self.places.base, allowed, limit)?;
+        let Some((refined, rounds)) = found else { return Ok(None) };
+        let mut grown = Grown { rounds, ..self.start()? };
+        self.place(&refined, &mut grown)?;
+        grown.mesh.triangles = refined.triangles.iter().map(Facet::from).collect();
+        grown.mesh.vertices = refined.vertices;
+        Ok(Some(grown))
+    }
+
+    /// As `simplify`.
+    pub(super) fn simplify_on(&self, on: &OnDevice, mesh: &mut Simplified, sweeps: u32) -> Result<u32> {
+        let allowed = self.within(self.plan.tolerance_local);
+        let tolerance = (allowed - on.rounding).max(0.5 * allowed);
+        let mut simplified = Simplification::new(self.job, &on.device, &on.bounds, self.places, mesh, tolerance)?;
+        let rounds = simplified.run(sweeps)?;
+        mesh.triangles = simplified.read()?;
+        Ok(rounds)
+    }
+}
