@@ -50,8 +50,9 @@ impl Judge<'_> {
 
     /// The one other triangle at side ab.
     fn across(&self, t: u32, a: u32, b: u32) -> Option<u32> {
-        let mut others =
-            self.stars.of(a).iter().filter(|o| **o != t && self.mesh.triangles[**o as usize].gv.contains(&b));
+        let [a, b] = [[a, b], [b, a]].into_iter().min_by_key(|[hub, _]| self.stars.of(*hub).len())?;
+        let has_b = |o: &&u32| **o != t && self.mesh.triangles[**o as usize].gv.contains(&b);
+        let mut others = self.stars.of(a).iter().filter(has_b);
         let other = others.next()?;
         others.next().is_none().then_some(*other)
     }
