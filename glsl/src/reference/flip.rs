@@ -66,7 +66,7 @@ impl Simplified {
         for (t, flip) in (0..).zip(flips) {
             let Some(flip) = flip.filter(|flip| flip.triangles[0] == t) else { continue };
             let mate = flips[flip.triangles[1] as usize];
-            if !mate.is_some_and(|mate| mate.triangles == flip.triangles) {
+            if mate.is_none_or(|mate| mate.triangles != flip.triangles) {
                 continue;
             }
             for (triangle, after) in flip.triangles.into_iter().zip(flip.after) {
