@@ -54,7 +54,7 @@ float quotient_curvature(const mat3 v, const mat3 by, const float least) {
     if (step > 0.0 && longest(by) > least) {
         curvature = REMAINDER * (2.0 * own * step + 2.0 * most * step * step / low) / (low * low);
         // Where the least length takes over there is a kink.
-        curvature += low <= least ? 0.5 * most * step / (least * least) : 0.0;
+        curvature += low <= least ? 2.0 / 3.0 * most * step / (least * least) : 0.0;
     }
     return min(curvature, 2.0 * most / low);
 }

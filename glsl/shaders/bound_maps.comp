@@ -24,6 +24,10 @@ layout(push_constant, scalar) uniform Params {
 PAGED(3, readonly, Layer, layers);
 PAGED(4, readonly, TexelPlace, texel_places);
 PAGED(6, writeonly, vec4, map_bounds); // heights at the corners, and what is between
+PAGED(7, readonly, float, reliefs);    // by how much the values of each layer's map differ at most, unscaled
+
+// A region over more texels counts as off by all the relief, and so is split where that matters: one thread goes over them.
+const float MOST_TEXELS = 2097152.0;
 
 TexelPlace texel_place(const uint av) {
     return LOAD(texel_places, av * params.stride + params.layer);
@@ -58,6 +62,16 @@ MapTriangle map_triangle(const Region region, const Layer layer) {
     return result;
 }
 
+float range(const vec3 v) {
+    return greatest(v) - min(v.x, min(v.y, v.z));
+}
+
+// How many texels and crossings are looked at, about: half the box, and its sides.
+float cost(const MapTriangle triangle) {
+    float width = range(triangle.x), height = range(triangle.y);
+    return 0.5 * width * height + 8.0 * (width + height);
+}
+
 void element(uint i) {
     Region region = region_of(i, params.of_lines != 0u);
     if (params.layer >= region.layers.y - region.layers.x) {
@@ -70,7 +84,9 @@ void element(uint i) {
     float scale = abs(layer.scale);
     float size = scale * region.least;
     float between = 0.0;
-    if (scale > 0.0) {
+    if (cost(triangle) > MOST_TEXELS) {
+        between = scale * LOAD(reliefs, region.layers.x + params.layer);
+    } else if (scale > 0.0) {
         // A little more, lest rounding bring what is above the cap back to it.
         float cap = size > 0.0 ? params.cap / size * 1.00001 : 1e30;
         between = scale * greatest_difference(layer, triangle, params.of_lines != 0u, params.at_texels != 0u, cap);

@@ -65,7 +65,10 @@ fn noise(x: u32, y: u32) -> f32 {
 fn bricks(x: u32, y: u32) -> f32 {
     let row = y / 8;
     let along = (x + 8 * (row % 2)) % 16;
-    if y % 8 == 0 || along == 0 { 0.0 } else { 1.0 }
+    if y.is_multiple_of(8) || along == 0 { 0.0 } else { 1.0 }
 }
 
-const MAPS: [(&str, fn(u32, u32) -> f32); 3] = [("smooth", smooth), ("noise", noise), ("bricks", bricks)];
+/// The height of a texel.
+type Height = fn(u32, u32) -> f32;
+
+const MAPS: [(&str, Height); 3] = [("smooth", smooth), ("noise", noise), ("bricks", bricks)];

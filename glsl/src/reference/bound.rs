@@ -1,5 +1,5 @@
 //! How far at most the displaced surface is from a triangle with corners on it, over the same part of the base: an upper
-//! bound of the distance from the surface to the triangle, and back. Twin of `refine_test`.
+//! bound of the distance from the surface to the triangle, and back. Twin of the `bound_*` passes.
 //!
 //! Maps are bounded exactly (`texels`), what bends besides by second order terms (`field`), expressions by intervals.
 
@@ -31,8 +31,12 @@ pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tol
     let (resolution, cap) = (RESOLUTION * tolerance, most * tolerance);
     let patch = layers::Patch { places, asked, av: triangle.av, detail: triangle.detail, corners, resolution };
     let own = patch.bound(cap);
+    if own.is_nan() {
+        return f64::INFINITY;
+    }
     if own > cap || places.tables.correction(t).is_none() {
         return own / tolerance;
     }
-    (own + ramps::bound(&patch, t, cap - own)) / tolerance
+    let sum = own + ramps::bound(&patch, t, cap - own);
+    if sum.is_nan() { f64::INFINITY } else { sum / tolerance }
 }

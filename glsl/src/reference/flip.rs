@@ -50,8 +50,9 @@ impl Judge<'_> {
 
     /// The one other triangle at side ab.
     fn across(&self, t: u32, a: u32, b: u32) -> Option<u32> {
-        let mut others =
-            self.stars.of(a).iter().filter(|o| **o != t && self.mesh.triangles[**o as usize].gv.contains(&b));
+        let [a, b] = [[a, b], [b, a]].into_iter().min_by_key(|[hub, _]| self.stars.of(*hub).len())?;
+        let has_b = |o: &&u32| **o != t && self.mesh.triangles[**o as usize].gv.contains(&b);
+        let mut others = self.stars.of(a).iter().filter(has_b);
         let other = others.next()?;
         others.next().is_none().then_some(*other)
     }
@@ -65,7 +66,7 @@ impl Simplified {
         for (t, flip) in (0..).zip(flips) {
             let Some(flip) = flip.filter(|flip| flip.triangles[0] == t) else { continue };
             let mate = flips[flip.triangles[1] as usize];
-            if !mate.is_some_and(|mate| mate.triangles == flip.triangles) {
+            if mate.is_none_or(|mate| mate.triangles != flip.triangles) {
                 continue;
             }
             for (triangle, after) in flip.triangles.into_iter().zip(flip.after) {

@@ -4,7 +4,9 @@
 use glam::DVec3;
 
 use super::{
-    displace, displace_expression, displace_vector, reconcile_corners, reconcile_edges,
+    displace, displace_expression, displace_vector,
+    map::wrapped,
+    reconcile_corners, reconcile_edges,
     refine::{self, barycentrics},
     samples::share,
     site::Site,
@@ -23,8 +25,10 @@ use crate::{
 pub struct Places<'t> {
     pub tables: &'t Tables,
     pub base: &'t refine::Base,
-    /// What each av is short of its place's displacement; zero without feather.
+    /// What each av is short of its place's displacement; counts under feather alone.
     pub av_correction: Vec<DVec3>,
+    /// By how much the values of each layer's channels differ at most, unscaled.
+    pub relief: Vec<[f64; 3]>,
     /// Seam of each ge, or [`NONE`].
     pub seam_of_edge: Vec<u32>,
     /// Displaced corners, by gv.
@@ -41,6 +45,7 @@ impl<'t> Places<'t> {
             tables,
             base,
             av_correction: vec![DVec3::ZERO; tables.av_normal.len()],
+            relief: tables.layers.iter().map(|layer| relief(tables, layer)).collect(),
             seam_of_edge,
             corners: vec![DVec3::ZERO; base.positions.len()],
             mismatch: 0.0,
@@ -181,6 +186,25 @@ impl<'t> Places<'t> {
         let reconciled = reconcile_edges::reconcile(self.tables, &seam, candidate);
         (site.position(self.tables) + reconciled.displacement, reconciled.mismatch)
     }
+}
+
+fn relief(tables: &Tables, layer: &Layer) -> [f64; 3] {
+    let channels = match layer.kind {
+        kind::EXPRESSION => return [f64::INFINITY; 3],
+        kind::HEIGHT => 1,
+        _ => 3,
+    };
+    let mut bounds = [[f32::INFINITY, f32::NEG_INFINITY]; 3];
+    let row = layer.row as usize * channels;
+    for y in 0..=i64::from(layer.down.top) {
+        let first = layer.first as usize + wrapped(&layer.down, y) as usize * row;
+        for texel in tables.texels[first..first + row].chunks_exact(channels) {
+            for (bounds, value) in bounds.iter_mut().zip(texel) {
+                *bounds = [bounds[0].min(*value), bounds[1].max(*value)];
+            }
+        }
+    }
+    bounds.map(|[low, high]| f64::from(high) - f64::from(low))
 }
 
 /// Units as barycentrics.

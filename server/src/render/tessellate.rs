@@ -68,8 +68,11 @@ impl Tessellated {
 const START: [f64; 2] = [0.85, 0.5];
 /// Flips and collapses by turns, so often.
 const SWEEPS: [u32; 2] = [1, 4];
-/// A refined mesh with more triangles for each that is allowed will not collapse into the budget.
-const MOST_REFINED: u64 = 4;
+/// A refined mesh with more triangles for each that is allowed seldom collapses into the budget: the tolerance is loosened
+/// first.
+const MOST_REFINED: u64 = 8;
+/// Refined triangles that fit a job's memory, at some 170 bytes each and twice while they are split.
+const MOST_IN_MEMORY: u64 = 1 << 24;
 /// f32 positions are off by half a unit in the last place along each axis, with their place and their height.
 const ROUNDING: f64 = 2.0 / (1 << 24) as f64;
 /// A tolerance that cannot be kept within the budget is loosened so often at most: each time by a tenth and more.
@@ -171,11 +174,21 @@ impl<'w> Work<'w> {
 
     fn run(&self) -> Result<Attempt> {
         let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
-        let limit = budget.saturating_mul(MOST_REFINED);
+        let limit = budget.saturating_mul(MOST_REFINED).min(budget.max(MOST_IN_MEMORY));
         let mut times = Vec::new();
         let Some(grown) = timed("refine", &mut times, || self.grow(START[self.quality()], limit))? else {
             return Ok(Attempt::TooMany { most_likely: 2.0 });
         };
+        self.reaching(&grown).shrunk(grown, budget, times)
+    }
+
+    /// With what rounding takes of places as far out as those of the mesh.
+    fn reaching(&self, grown: &Grown) -> Self {
+        let reach = grown.mesh.positions.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+        Self { rounding: self.rounding.max(ROUNDING * reach), ..*self }
+    }
+
+    fn shrunk(&self, grown: Grown, budget: u64, mut times: Vec<PassTime>) -> Result<Attempt> {
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
         let mut mesh = grown.mesh;
         fit.collapse_rounds = timed("collapse", &mut times, || self.shrink(&mut mesh, SWEEPS[self.quality()]))?;
@@ -208,8 +221,9 @@ impl<'w> Work<'w> {
     /// The base mesh as it is, whatever its error.
     fn of_base(&self) -> Result<Tessellated> {
         let grown = self.start()?;
-        let worst = self.worst(&grown.mesh);
-        Ok(self.result(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
+        let work = self.reaching(&grown);
+        let worst = work.worst(&grown.mesh);
+        Ok(work.result(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
     }
 
     /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
@@ -254,13 +268,14 @@ impl<'w> Work<'w> {
         fit: Fit,
         times: Vec<PassTime>,
     ) -> Tessellated {
-        let bound_local = worst * self.within(self.plan.tolerance_local) + self.rounding;
-        let budget_reached = bound_local > self.plan.tolerance_local;
-        // Without ramps a seam's sides stay apart from the one place both get.
-        let open = if self.places.tables.corrections.is_empty() { mismatch_max } else { 0.0 };
+        let found = worst * self.within(self.plan.tolerance_local) + self.rounding;
+        let budget_reached = found > self.plan.tolerance_local;
+        // Without ramps a seam's sides stay apart from the one place all get: each at most twice as far as from the first.
+        let open = if self.places.tables.corrections.is_empty() { 2.0 * mismatch_max } else { 0.0 };
+        let bound_local = found + open;
         let fit = Fit {
-            bound_local: bound_local + open,
-            tolerance_local: if budget_reached { bound_local } else { self.plan.tolerance_local },
+            bound_local,
+            tolerance_local: bound_local.max(self.plan.tolerance_local),
             certified: all_known && !self.asked.at_texels,
             budget_reached,
             ..fit

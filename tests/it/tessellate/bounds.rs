@@ -20,7 +20,7 @@ use displace_server::{
     },
     vulkan::Stream,
 };
-use displace_tests::meshes;
+use displace_tests::{meshes, surfaces::expression};
 use glam::DVec3;
 use rand::{RngExt as _, SeedableRng, rngs::StdRng};
 
@@ -203,14 +203,23 @@ fn small_triangles_on_large_maps_keep_their_digits() {
 }
 
 #[test]
-fn only_height_maps_that_a_thread_goes_over_are_supported() {
-    let of = |size: [u32; 2]| {
-        let layers = vec![layer(map(size, Wrap::Repeat, Sampling::Center, smooth), 0.1, IDENTITY)];
+fn a_triangle_over_more_texels_than_a_thread_goes_over_is_off_by_all_the_relief() {
+    let wide = map([2048, 2048], Wrap::Repeat, Sampling::Center, |x, y| if x == 77 && y == 99 { 0.75 } else { 0.5 });
+    let subject = Subject::new(&meshes::plane(1), 3.0, vec![layer(wide, 1.0, [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])]);
+    let places = Places::new(&subject.tables, &subject.base);
+    let whole = FacetPlace { base: 0, a: [0, 0], b: [UNIT, 0], c: [0, UNIT] };
+    let part = FacetPlace { base: 0, a: [UNIT / 2, 0], b: [UNIT / 2 + 999, 0], c: [UNIT / 2, 999] };
+    assert_eq!(found(&places, EVERYWHERE, &[whole, part], f32::MAX), [0.25, 0.0]);
+}
+
+#[test]
+fn only_height_maps_near_their_origin_are_supported() {
+    let of = |source: LayerSource, map_from_uv| {
+        let layers = vec![Layer { source, scale: 0.1, midlevel: 0.0, map_from_uv }];
         supports(&Subject::new(&meshes::plane(1), 3.0, layers).tables)
     };
-    assert!(of([512, 512]));
-    assert!(!of([4096, 512]));
-    let curved = displace_tests::surfaces::expression("sin(9*u)");
-    let layers = vec![Layer { source: curved, scale: 0.1, midlevel: 0.0, map_from_uv: IDENTITY }];
-    assert!(!supports(&Subject::new(&meshes::plane(1), 3.0, layers).tables));
+    let height = || LayerSource::Height(Arc::new(map([512, 512], Wrap::Repeat, Sampling::Center, smooth)));
+    assert!(of(height(), IDENTITY));
+    assert!(!of(height(), [[1e5, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+    assert!(!of(expression("sin(9*u)"), IDENTITY));
 }

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 
-use super::{field::Scalar, layers::Patch};
+use super::{
+    field::Scalar,
+    layers::{FARTHEST_TEXEL, Patch},
+};
 use crate::{
     expression::{Interval, IntervalJet, Number, evaluate},
     layout::geometry::Layer,
@@ -16,7 +19,13 @@ const DEPTH: u32 = 4;
 pub(super) fn height(patch: &Patch<'_>, layer: &Layer, cap: f64, resolution: f64) -> Scalar {
     let part = Part { patch, layer, corners: patch.corners };
     let values = patch.corners.map(|b| part.at(b));
-    let unscaled = |height: f64| height / f64::from(layer.scale.abs()).max(f64::MIN_POSITIVE);
+    if part.is_cut() {
+        return Scalar { corners: values, curvature: f64::INFINITY };
+    }
+    if layer.scale == 0.0 {
+        return Scalar { corners: [0.0; 3], curvature: 0.0 };
+    }
+    let unscaled = |height: f64| height / f64::from(layer.scale.abs());
     let limits = Limits { cap: unscaled(cap), resolution: unscaled(resolution) };
     let curvature = part.greatest([DVec3::X, DVec3::Y, DVec3::Z], values, &limits, DEPTH);
     let height = |value: f64| f64::from(layer.scale) * (value - f64::from(layer.midlevel));
@@ -66,6 +75,18 @@ impl Part<'_> {
             }
         }
         worst
+    }
+
+    /// Texel space is cut off far out, which bends what is read there.
+    fn is_cut(&self) -> bool {
+        let tables = self.patch.places.tables;
+        let far = |av: &u32| {
+            let uv = [tables.av_position_u[*av as usize][3], tables.av_direction_v[*av as usize][3]].map(f64::from);
+            [self.layer.texel_from_u, self.layer.texel_from_v].iter().any(|row| {
+                (f64::from(row[0]) * uv[0] + f64::from(row[1]) * uv[1] + f64::from(row[2])).abs() >= FARTHEST_TEXEL
+            })
+        };
+        self.patch.av.iter().any(far)
     }
 
     /// With slopes in [g − r, g + r] along two sides, f is within (r1 + r2) / 2 of what is straight.

@@ -92,7 +92,7 @@ impl Field {
         if step > 0.0 && high > least {
             curvature += REMAINDER * (2.0 * own * step / (low * low) + 2.0 * most * step * step / low.powi(3));
             // Where the least length takes over there is a kink.
-            curvature += if low <= least { 0.5 * most * step / (least * least) } else { 0.0 };
+            curvature += if low <= least { 2.0 / 3.0 * most * step / (least * least) } else { 0.0 };
         }
         let result = Self { corners, curvature: 0.0 };
         // Nowhere longer than this, and so never farther than twice that from anything.

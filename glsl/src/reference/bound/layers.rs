@@ -17,8 +17,10 @@ use crate::{
     },
 };
 
+/// A triangle over more texels counts as off by all that the map's values differ, and so is split where that matters.
+const MOST_TEXELS: f64 = (1 << 21) as f64;
 /// Texel space is cut off beyond this.
-const FARTHEST_TEXEL: f64 = 4_194_303.0;
+pub(super) const FARTHEST_TEXEL: f64 = 4_194_303.0;
 
 /// Where the layers of `detail` are bounded: barycentrics among `av`. A side counted as a triangle has two equal corners.
 #[derive(Clone, Copy)]
@@ -122,6 +124,13 @@ impl Patch<'_> {
         (tangent, Field { curvature: if mixed { 2.0 } else { bitangent.curvature }, ..bitangent })
     }
 
+    /// Of a layer of the patch's detail, among all.
+    fn number(&self, layer: &Layer) -> usize {
+        let first = self.places.tables.details[self.detail as usize].start as usize;
+        let own = self.places.layers(self.detail).iter().position(|own| std::ptr::eq(own, layer));
+        first + own.unwrap_or(0)
+    }
+
     /// One channel of a map, scaled; `cap` is what its own bound may reach.
     fn channel(&self, layer: &Layer, channel: u64, cap: f64) -> Scalar {
         let tables = self.places.tables;
@@ -141,8 +150,13 @@ impl Patch<'_> {
             f64::from(tables.texels[(u64::from(layer.first) + channels * texel + channel) as usize])
         };
         let cap = if scale == 0.0 { f64::INFINITY } else { cap / scale.abs() };
-        let curvature = texels::greatest(texel, corners, self.asked.at_texels, cap) * scale.abs();
-        Scalar { corners: values, curvature }
+        let found = if texels::cost(&corners) > MOST_TEXELS {
+            // Values between those of the map are nowhere farther from each other than they are.
+            self.places.relief[self.number(layer)][channel as usize]
+        } else {
+            texels::greatest(texel, corners, self.asked.at_texels, cap)
+        };
+        Scalar { corners: values, curvature: found * scale.abs() }
     }
 }
 

@@ -15,6 +15,16 @@ pub(super) struct Corner {
 /// A texel a rounding error outside counts as inside.
 const RIM: f64 = 1e-9;
 
+/// How many texels and crossings are looked at, about: half the box, and its sides.
+pub(super) fn cost(corners: &[Corner; 3]) -> f64 {
+    let extent = |of: fn(&Corner) -> f64| {
+        let at = corners.each_ref().map(of);
+        at[0].max(at[1]).max(at[2]) - at[0].min(at[1]).min(at[2])
+    };
+    let (width, height) = (extent(|c| c.x), extent(|c| c.y));
+    0.5 * width * height + 8.0 * (width + height)
+}
+
 /// The greatest difference; where it exceeds `cap`, some difference that does. `at_texels`: at texels alone.
 pub(super) fn greatest(texel: impl Fn(i64, i64) -> f64, corners: [Corner; 3], at_texels: bool, cap: f64) -> f64 {
     let mut worst = 0.0;

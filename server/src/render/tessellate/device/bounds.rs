@@ -35,6 +35,7 @@ pub struct Bounds {
     texel_places: Stream,
     layers: Stream,
     texels: Stream,
+    reliefs: Stream,
     stride: u32,
     asked: Asked,
 }
@@ -56,6 +57,7 @@ impl Bounds {
     /// `places` are those of tables that [`super::tables::supports`] says yes to.
     pub fn new(device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
         let tables = BoundTables::new(places);
+        let reliefs: Vec<f32> = places.relief.iter().map(|[of_height, ..]| *of_height as f32).collect();
         Ok(Self {
             device: Arc::clone(device),
             vertices: Stream::from_slice(device, "bound_vertices", &tables.vertices)?,
@@ -65,6 +67,7 @@ impl Bounds {
             texel_places: Stream::from_slice(device, "texel_places", &tables.texel_places)?,
             layers: Stream::from_slice(device, "layers", &places.tables.layers)?,
             texels: Stream::from_slice(device, "texels", &places.tables.texels)?,
+            reliefs: Stream::from_slice(device, "reliefs", &reliefs)?,
             stride: tables.stride,
             asked,
         })
@@ -125,6 +128,7 @@ impl Bounds {
             ("texel_places", &self.texel_places),
             ("texels", &self.texels),
             ("map_bounds", map_bounds),
+            ("reliefs", &self.reliefs),
         ];
         recorder.dispatch(&SHADERS.bound_maps, regions.count, &params, &streams)?;
         Ok(())

@@ -25,29 +25,21 @@ pub struct BoundTables {
     pub stride: u32,
 }
 
-/// One thread goes over the texels of one triangle: with more than this in the box around a base triangle, it would hold
-/// the device for too long.
-const MOST_TEXELS: f64 = (1 << 20) as f64;
 /// Lattice coordinates stay where f32 counts them.
 const FARTHEST_TEXEL: f64 = 4_194_303.0;
 
-/// Whether the passes know all layers, and their maps are of a size for them.
+/// Whether the passes know all layers, and tell their texels apart.
 #[must_use]
 pub fn supports(tables: &Tables) -> bool {
     let heights = tables.layers.iter().all(|layer| layer.kind == kind::HEIGHT);
-    heights && tables.base_triangles.iter().all(|triangle| fits(tables, triangle))
+    heights && tables.base_triangles.iter().all(|triangle| is_near(tables, triangle))
 }
 
-fn fits(tables: &Tables, triangle: &BaseTriangle) -> bool {
-    let range = tables.details[triangle.detail as usize].clone();
-    tables.layers[range.start as usize..range.end as usize].iter().all(|layer| {
+fn is_near(tables: &Tables, triangle: &BaseTriangle) -> bool {
+    let [first, end] = layers_of(tables, triangle.detail);
+    tables.layers[first as usize..end as usize].iter().all(|layer| {
         let at = triangle.av.map(|av| texel_space(tables, layer, av));
-        let near = at.iter().flatten().all(|x| x.abs() < FARTHEST_TEXEL);
-        let extent = |k: usize| {
-            let (low, high) = at.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[k]), h.max(p[k])));
-            high - low + 1.0
-        };
-        near && extent(0) * extent(1) <= MOST_TEXELS
+        at.iter().flatten().all(|x| x.abs() < FARTHEST_TEXEL)
     })
 }
 
