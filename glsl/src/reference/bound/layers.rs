@@ -19,6 +19,9 @@ use crate::{
 
 /// A triangle over more texels counts as off by all that the map's values differ, and so is split where that matters.
 const MOST_TEXELS: f64 = (1 << 21) as f64;
+/// Nor are so many looked at where the values differ by less than this share of what is allowed.
+const MANY_TEXELS: f64 = (1 << 12) as f64;
+const LITTLE: f64 = 0.25;
 /// Texel space is cut off beyond this.
 pub(super) const FARTHEST_TEXEL: f64 = 4_194_303.0;
 
@@ -150,9 +153,11 @@ impl Patch<'_> {
             f64::from(tables.texels[(u64::from(layer.first) + channels * texel + channel) as usize])
         };
         let cap = if scale == 0.0 { f64::INFINITY } else { cap / scale.abs() };
-        let found = if texels::cost(&corners) > MOST_TEXELS {
-            // Values between those of the map are nowhere farther from each other than they are.
-            self.places.relief[self.number(layer)][channel as usize]
+        // Values between those of the map are nowhere farther from each other than they are.
+        let relief = self.places.relief[self.number(layer)][channel as usize];
+        let cost = texels::cost(&corners);
+        let found = if cost > MOST_TEXELS || cost > MANY_TEXELS && cap.is_finite() && relief <= LITTLE * cap {
+            relief
         } else {
             texels::greatest(texel, corners, self.asked.at_texels, cap)
         };

@@ -30,7 +30,7 @@ pub(super) fn greatest(texel: impl Fn(i64, i64) -> f64, corners: [Corner; 3], at
     let mut worst = 0.0;
     if !at_texels {
         for k in 0..3 {
-            worst = side(&texel, corners[k], corners[(k + 1) % 3], worst);
+            worst = side(&texel, [corners[k], corners[(k + 1) % 3]], worst, cap);
             if worst > cap {
                 return worst;
             }
@@ -74,12 +74,12 @@ fn row(texel: &impl Fn(i64, i64) -> f64, corners: &[Corner; 3], y: f64, mut wors
     worst
 }
 
-/// Along side ab, cell by cell.
-fn side(texel: &impl Fn(i64, i64) -> f64, a: Corner, b: Corner, mut worst: f64) -> f64 {
+/// Along side ab, cell by cell, until the difference exceeds `cap`.
+fn side(texel: &impl Fn(i64, i64) -> f64, [a, b]: [Corner; 2], mut worst: f64, cap: f64) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let mut next = [first_line(a.x, dx), first_line(a.y, dy)];
     let mut start = 0.0;
-    while start < 1.0 {
+    while start < 1.0 && worst <= cap {
         let reach = |line: f64, from: f64, d: f64| if d == 0.0 { 1.0 } else { (line - from) / d };
         let to = [reach(next[0], a.x, dx), reach(next[1], a.y, dy)];
         let end = to[0].min(to[1]).clamp(start, 1.0);
