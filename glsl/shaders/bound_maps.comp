@@ -28,6 +28,10 @@ PAGED(7, readonly, float, reliefs);    // by how much the values of each layer's
 
 // A region over more texels counts as off by all the relief, and so is split where that matters: one thread goes over them.
 const float MOST_TEXELS = 2097152.0;
+// Nor over so many where the values differ by less than this share of what is allowed.
+const float MANY_TEXELS = 4096.0;
+const float LITTLE = 0.25;
+const float NO_CAP = 1e30;
 
 TexelPlace texel_place(const uint av) {
     return LOAD(texel_places, av * params.stride + params.layer);
@@ -83,14 +87,15 @@ void element(uint i) {
     vec3 heights = layer.scale * (triangle.value - layer.midlevel);
     float scale = abs(layer.scale);
     float size = scale * region.least;
-    float between = 0.0;
-    if (cost(triangle) > MOST_TEXELS) {
-        between = scale * LOAD(reliefs, region.layers.x + params.layer);
-    } else if (scale > 0.0) {
-        // A little more, lest rounding bring what is above the cap back to it.
-        float cap = size > 0.0 ? params.cap / size * 1.00001 : 1e30;
-        between = scale * greatest_difference(layer, triangle, params.of_lines != 0u, params.at_texels != 0u, cap);
+    // A little more, lest rounding bring what is above the cap back to it.
+    float cap = size > 0.0 ? min(params.cap / size * 1.00001, NO_CAP) : NO_CAP;
+    float relief = LOAD(reliefs, region.layers.x + params.layer);
+    float texels_cost = cost(triangle);
+    float between = relief;
+    if (scale > 0.0 && texels_cost <= MOST_TEXELS && (texels_cost <= MANY_TEXELS || cap == NO_CAP || relief > LITTLE * cap)) {
+        between = greatest_difference(layer, triangle, params.of_lines != 0u, params.at_texels != 0u, cap);
     }
+    between *= scale;
     STORE(map_bounds, i, vec4(heights, between));
 }
 
