@@ -5,9 +5,16 @@
 
 mod expression;
 mod field;
+mod lattice;
 mod layers;
+mod linear;
+mod pyramid;
 mod ramps;
+mod search;
 mod texels;
+
+pub use lattice::Lattice;
+pub use pyramid::Pyramid;
 
 use glam::DVec3;
 

@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use super::{
+    bound::{Lattice, Pyramid},
     displace, displace_expression, displace_vector,
-    map::wrapped,
     reconcile_corners, reconcile_edges,
     refine::{self, barycentrics},
     samples::share,
@@ -27,8 +27,8 @@ pub struct Places<'t> {
     pub base: &'t refine::Base,
     /// What each av is short of its place's displacement; counts under feather alone.
     pub av_correction: Vec<DVec3>,
-    /// By how much the values of each layer's channels differ at most, unscaled.
-    pub relief: Vec<[f64; 3]>,
+    /// Of each channel of each layer's map, for [`super::bound`].
+    pub pyramids: Vec<Vec<Pyramid>>,
     /// Seam of each ge, or [`NONE`].
     pub seam_of_edge: Vec<u32>,
     /// Displaced corners, by gv.
@@ -45,7 +45,7 @@ impl<'t> Places<'t> {
             tables,
             base,
             av_correction: vec![DVec3::ZERO; tables.av_normal.len()],
-            relief: tables.layers.iter().map(|layer| relief(tables, layer)).collect(),
+            pyramids: tables.layers.iter().map(|layer| pyramids(tables, layer)).collect(),
             seam_of_edge,
             corners: vec![DVec3::ZERO; base.positions.len()],
             mismatch: 0.0,
@@ -188,23 +188,13 @@ impl<'t> Places<'t> {
     }
 }
 
-fn relief(tables: &Tables, layer: &Layer) -> [f64; 3] {
+fn pyramids(tables: &Tables, layer: &Layer) -> Vec<Pyramid> {
     let channels = match layer.kind {
-        kind::EXPRESSION => return [f64::INFINITY; 3],
+        kind::EXPRESSION => 0,
         kind::HEIGHT => 1,
         _ => 3,
     };
-    let mut bounds = [[f32::INFINITY, f32::NEG_INFINITY]; 3];
-    let row = layer.row as usize * channels;
-    for y in 0..=i64::from(layer.down.top) {
-        let first = layer.first as usize + wrapped(&layer.down, y) as usize * row;
-        for texel in tables.texels[first..first + row].chunks_exact(channels) {
-            for (bounds, value) in bounds.iter_mut().zip(texel) {
-                *bounds = [bounds[0].min(*value), bounds[1].max(*value)];
-            }
-        }
-    }
-    bounds.map(|[low, high]| f64::from(high) - f64::from(low))
+    (0..channels).map(|channel| Pyramid::new(&Lattice::new(tables, layer, channel))).collect()
 }
 
 /// Units as barycentrics.

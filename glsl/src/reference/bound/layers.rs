@@ -5,23 +5,20 @@ use glam::DVec3;
 use super::{
     Asked, expression,
     field::{Field, Scalar},
-    texels::{self, Corner},
+    lattice::Lattice,
+    search,
+    texels::Corner,
 };
 use crate::{
     layout::geometry::{Layer, kind},
     reference::{
         frame::{MIN_BLENDED_NORMAL, MIN_TANGENT_SQUARE, any_perpendicular},
-        map::{bilinear, texel_space, wrapped},
+        map::{bilinear, texel_space},
         place::Places,
         site::vector,
     },
 };
 
-/// A triangle over more texels counts as off by all that the map's values differ, and so is split where that matters.
-const MOST_TEXELS: f64 = (1 << 21) as f64;
-/// Nor are so many looked at where the values differ by less than this share of what is allowed.
-const MANY_TEXELS: f64 = (1 << 12) as f64;
-const LITTLE: f64 = 0.25;
 /// Texel space is cut off beyond this.
 pub(super) const FARTHEST_TEXEL: f64 = 4_194_303.0;
 
@@ -147,20 +144,10 @@ impl Patch<'_> {
         if cut(corners.map(|c| c.x)) || cut(corners.map(|c| c.y)) {
             return Scalar { corners: values, curvature: f64::INFINITY };
         }
-        let channels = if layer.kind == kind::HEIGHT { 1 } else { 3 };
-        let texel = |x: i64, y: i64| {
-            let texel = wrapped(&layer.down, y) * u64::from(layer.row) + wrapped(&layer.across, x);
-            f64::from(tables.texels[(u64::from(layer.first) + channels * texel + channel) as usize])
-        };
         let cap = if scale == 0.0 { f64::INFINITY } else { cap / scale.abs() };
-        // Values between those of the map are nowhere farther from each other than they are.
-        let relief = self.places.relief[self.number(layer)][channel as usize];
-        let cost = texels::cost(&corners);
-        let found = if cost > MOST_TEXELS || cost > MANY_TEXELS && cap.is_finite() && relief <= LITTLE * cap {
-            relief
-        } else {
-            texels::greatest(texel, corners, self.asked.at_texels, cap)
-        };
+        let lattice = Lattice::new(tables, layer, channel);
+        let pyramid = &self.places.pyramids[self.number(layer)][channel as usize];
+        let found = search::greatest(&lattice, pyramid, corners, self.asked.at_texels, cap);
         Scalar { corners: values, curvature: found * scale.abs() }
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! Within a cell the difference is bilinear and has no extremum inside. Over a triangle its extremes are among the
 //! texels inside, the crossings of its sides with the lattice, and one place on each piece of a side in between, where
-//! the difference along it, a parabola, is level.
+//! the difference along it, a parabola, is level. Beyond the border of a clamped map the lattice has no lines.
+
+use super::lattice::Source;
 
 /// A corner in texel space and the map's value there.
 #[derive(Clone, Copy, Debug)]
@@ -12,42 +14,72 @@ pub(super) struct Corner {
     pub(super) value: f64,
 }
 
+/// Part of texel space, sides included.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub(super) low: [f64; 2],
+    pub(super) high: [f64; 2],
+}
+
+/// What is linear along a row of texels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) x: f64,
+    pub(super) value: f64,
+    pub(super) slope: f64,
+}
+
 /// A texel a rounding error outside counts as inside.
 const RIM: f64 = 1e-9;
 
-/// How many texels and crossings are looked at, about: half the box, and its sides.
-pub(super) fn cost(corners: &[Corner; 3]) -> f64 {
-    let extent = |of: fn(&Corner) -> f64| {
-        let at = corners.each_ref().map(of);
-        at[0].max(at[1]).max(at[2]) - at[0].min(at[1]).min(at[2])
-    };
-    let (width, height) = (extent(|c| c.x), extent(|c| c.y));
-    0.5 * width * height + 8.0 * (width + height)
-}
-
-/// The greatest difference; where it exceeds `cap`, some difference that does. `at_texels`: at texels alone.
-pub(super) fn greatest(texel: impl Fn(i64, i64) -> f64, corners: [Corner; 3], at_texels: bool, cap: f64) -> f64 {
-    let mut worst = 0.0;
-    if !at_texels {
-        for k in 0..3 {
-            worst = side(&texel, [corners[k], corners[(k + 1) % 3]], worst, cap);
-            if worst > cap {
-                return worst;
-            }
+impl Window {
+    pub(super) fn around(corners: &[Corner; 3]) -> Self {
+        let at = corners.map(|c| [c.x, c.y]);
+        Self {
+            low: [0, 1].map(|k| at[0][k].min(at[1][k]).min(at[2][k])),
+            high: [0, 1].map(|k| at[0][k].max(at[1][k]).max(at[2][k])),
         }
     }
-    let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c.y));
-    let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c.y));
+
+    pub(super) fn clipped(&self, to: &Self) -> Self {
+        Self {
+            low: [0, 1].map(|k| self.low[k].max(to.low[k])),
+            high: [0, 1].map(|k| self.high[k].min(to.high[k])),
+        }
+    }
+
+    /// Where the side from a to b enters and leaves; none where it stays outside.
+    pub(super) fn part(&self, [a, b]: [Corner; 2]) -> Option<[f64; 2]> {
+        let mut part = [0.0, 1.0];
+        for (from, to, low, high) in [(a.x, b.x, self.low[0], self.high[0]), (a.y, b.y, self.low[1], self.high[1])] {
+            let d = to - from;
+            if d == 0.0 {
+                if from < low || from > high {
+                    return None;
+                }
+                continue;
+            }
+            let (enter, leave) = if d > 0.0 { (low, high) } else { (high, low) };
+            part = [f64::max(part[0], (enter - from) / d), f64::min(part[1], (leave - from) / d)];
+        }
+        (part[0] <= part[1]).then_some(part)
+    }
+}
+
+/// The greatest of `worst` and the differences at the texels of the window inside the triangle.
+pub(super) fn rows(source: &impl Source, corners: &[Corner; 3], window: &Window, mut worst: f64, cap: f64) -> f64 {
+    let triangle = Window::around(corners);
+    let [low, high] = [triangle.low[1].max(window.low[1]), triangle.high[1].min(window.high[1])];
     let mut y = (low - RIM).ceil();
     while y <= high + RIM && worst <= cap {
-        worst = row(&texel, &corners, y, worst);
+        worst = row(source, corners, y, window, worst);
         y += 1.0;
     }
     worst
 }
 
 /// Where a row of texels enters and leaves the triangle.
-fn row(texel: &impl Fn(i64, i64) -> f64, corners: &[Corner; 3], y: f64, mut worst: f64) -> f64 {
+fn row(source: &impl Source, corners: &[Corner; 3], y: f64, window: &Window, worst: f64) -> f64 {
     let mut start = Corner { x: f64::INFINITY, y, value: 0.0 };
     let mut end = Corner { x: f64::NEG_INFINITY, y, value: 0.0 };
     for k in 0..3 {
@@ -65,46 +97,46 @@ fn row(texel: &impl Fn(i64, i64) -> f64, corners: &[Corner; 3], y: f64, mut wors
     }
     let width = end.x - start.x;
     let slope = if width > 0.0 { (end.value - start.value) / width } else { 0.0 };
-    let mut x = (start.x - RIM).ceil();
-    while x <= end.x + RIM {
-        let linear = start.value + (x - start.x) * slope;
-        worst = f64::max(worst, (texel(x as i64, y as i64) - linear).abs());
-        x += 1.0;
+    let (first, last) = ((start.x.max(window.low[0]) - RIM).ceil(), (end.x.min(window.high[0]) + RIM).floor());
+    if first > last {
+        return worst;
     }
-    worst
+    source.row(y as i64, [first as i64, last as i64], Line { x: start.x, value: start.value, slope }, worst)
 }
 
-/// Along side ab, cell by cell, until the difference exceeds `cap`.
-fn side(texel: &impl Fn(i64, i64) -> f64, [a, b]: [Corner; 2], mut worst: f64, cap: f64) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let mut next = [first_line(a.x, dx), first_line(a.y, dy)];
-    let mut start = 0.0;
-    while start < 1.0 && worst <= cap {
-        let reach = |line: f64, from: f64, d: f64| if d == 0.0 { 1.0 } else { (line - from) / d };
-        let to = [reach(next[0], a.x, dx), reach(next[1], a.y, dy)];
-        let end = to[0].min(to[1]).clamp(start, 1.0);
-        worst = worst.max(piece(texel, a, b, [start, end]));
+/// The greatest of `worst` and the differences along part of a side, cell by cell, until one exceeds `cap`.
+pub(super) fn side(
+    source: &impl Source,
+    ends: [Corner; 2],
+    [mut start, last]: [f64; 2],
+    mut worst: f64,
+    cap: f64,
+) -> f64 {
+    let [a, b] = ends;
+    let (from, d) = ([a.x, a.y], [b.x - a.x, b.y - a.y]);
+    let mut next = [0, 1].map(|k| source.next_line(k, from[k] + start * d[k], d[k]));
+    while worst <= cap {
+        let to = [0, 1].map(|k| if d[k] == 0.0 { f64::INFINITY } else { (next[k] - from[k]) / d[k] });
+        let end = to[0].min(to[1]).clamp(start, last);
+        worst = worst.max(piece(source, a, b, [start, end]));
+        if to[0].min(to[1]) >= last {
+            break;
+        }
         for k in 0..2 {
             if to[k] <= end {
-                next[k] += if [dx, dy][k] > 0.0 { 1.0 } else { -1.0 };
+                next[k] = source.next_line(k, next[k], d[k]);
             }
         }
-        start = if to[0].min(to[1]) >= 1.0 { 1.0 } else { end };
+        start = end;
     }
     worst
 }
 
-/// The first lattice line that is met after `from`.
-fn first_line(from: f64, d: f64) -> f64 {
-    if d > 0.0 { from.floor() + 1.0 } else { from.ceil() - 1.0 }
-}
-
-fn piece(texel: &impl Fn(i64, i64) -> f64, a: Corner, b: Corner, t: [f64; 2]) -> f64 {
+fn piece(source: &impl Source, a: Corner, b: Corner, t: [f64; 2]) -> f64 {
     let at = |t: f64| [a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)];
     let middle = 0.5 * (t[0] + t[1]);
     let cell = at(middle).map(f64::floor);
-    let (i, j) = (cell[0] as i64, cell[1] as i64);
-    let (t00, t10, t01, t11) = (texel(i, j), texel(i + 1, j), texel(i, j + 1), texel(i + 1, j + 1));
+    let [[t00, t10], [t01, t11]] = source.cell(cell[0] as i64, cell[1] as i64);
     let difference = |t: f64| {
         let [x, y] = at(t);
         let (fx, fy) = (x - cell[0], y - cell[1]);

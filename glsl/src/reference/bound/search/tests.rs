@@ -1,0 +1,116 @@
+use super::*;
+use crate::{layout::geometry::{Layer, MapAxis}, tables::Tables};
+
+/// A small generator of numbers (Steele et al. 2014, splitmix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    fn share(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn below(&mut self, n: i32) -> i32 {
+        (self.next() % n as u64) as i32
+    }
+}
+
+const FAR: i32 = 1 << 23;
+const NO_FOLD: i32 = 1 << 30;
+
+/// The ways a map of n texels may go on.
+fn axis(n: i32, way: i32) -> MapAxis {
+    let (low, high, period, top, fold) = match way {
+        0 => (-FAR, FAR, n, n - 1, NO_FOLD),
+        1 => (-FAR, FAR, (n - 1).max(1), n - 1, NO_FOLD),
+        2 => (-FAR, FAR, 2 * n, 2 * n - 1, 2 * n - 1),
+        _ => (0, n - 1, n, n - 1, NO_FOLD),
+    };
+    MapAxis { low, high, period, top, fold, inverse_period: 1.0 / period as f32 }
+}
+
+fn map(numbers: &mut Numbers) -> Tables {
+    let [width, height] = [0; 2].map(|_| 1 + numbers.below(60));
+    let layer = Layer {
+        row: width as u32,
+        across: axis(width, numbers.below(4)),
+        down: axis(height, numbers.below(4)),
+        ..Layer::default()
+    };
+    let rough = numbers.share() as f32;
+    let tilt = [0; 2].map(|_| numbers.below(3) as f32);
+    let mut texel = |k: i32| (k % width) as f32 * tilt[0] + (k / width) as f32 * tilt[1] + rough * numbers.share() as f32;
+    let texels = (0..width * height).map(&mut texel).collect();
+    Tables { layers: vec![layer], texels, ..Tables::default() }
+}
+
+fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [Corner; 3] {
+    let size = [3.0, 30.0, 300.0][numbers.below(3) as usize];
+    let middle = [0; 2].map(|_| 80.0 * (numbers.share() - 0.5));
+    let place = |numbers: &mut Numbers| middle.map(|at| (at + size * (numbers.share() - 0.5)) * 16.0).map(f64::round).map(|x| x / 16.0);
+    let [a, b, mut c] = [0; 3].map(|_| place(numbers));
+    match numbers.below(4) {
+        0 => c = b,
+        1 => c = [0, 1].map(|k| a[k] + (b[k] - a[k]) * 0.375),
+        2 => c = [0, 1].map(|k| a[k] + (b[k] - a[k]) * 0.4 + 1e-7 * numbers.share()),
+        _ => {}
+    }
+    [a, b, c].map(|[x, y]| Corner { x, y, value: lattice.cell(x.floor() as i64, y.floor() as i64)[0][0] })
+}
+
+/// Everywhere, without blocks.
+fn exhaustive(lattice: &Lattice<'_>, corners: &[Corner; 3], at_texels: bool) -> f64 {
+    let window = Window::around(corners).clipped(&lattice.domain());
+    directly(lattice, corners, &window, at_texels, f64::INFINITY).max(if at_texels {
+        beyond(lattice, corners, 0.0, f64::INFINITY)
+    } else {
+        0.0
+    })
+}
+
+#[test]
+fn blocks_lose_nothing_whatever_the_map_its_wrapping_and_the_triangle() {
+    let mut numbers = Numbers(1);
+    for case in 0..4000 {
+        let tables = map(&mut numbers);
+        let lattice = Lattice::new(&tables, &tables.layers[0], 0);
+        let pyramid = Pyramid::new(&lattice);
+        for at_texels in [false, true] {
+            let corners = corners(&mut numbers, &lattice);
+            let right = exhaustive(&lattice, &corners, at_texels);
+            let found = Search::new(&lattice, &pyramid, corners, at_texels, f64::INFINITY).run();
+            let quick = greatest(&lattice, &pyramid, corners, at_texels, f64::INFINITY);
+            let slack = 1e-7 * (1.0 + right);
+            assert!((found - right).abs() <= slack, "case {case}: {found} {right} {corners:?} {lattice:?}");
+            assert!((quick - right).abs() <= slack, "case {case}: {quick} {right} {corners:?} {lattice:?}");
+        }
+    }
+}
+
+#[test]
+fn every_texel_is_within_the_rest_of_its_blocks() {
+    let mut numbers = Numbers(2);
+    for _ in 0..200 {
+        let tables = map(&mut numbers);
+        let lattice = Lattice::new(&tables, &tables.layers[0], 0);
+        let pyramid = Pyramid::new(&lattice);
+        let [width, height] = pyramid.cells;
+        for (x, y) in (0..=height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
+            let value = lattice.at(x, y);
+            for level in 0..=pyramid.top() {
+                let at = [0, 1].map(|k| ([x, y][k] / (BLOCK << level)).min(pyramid.size(level)[k] - 1));
+                let block = pyramid.block(level, at);
+                let [u, v] = [0, 1].map(|k| ([x, y][k] - at[k] * (BLOCK << level)) as f64);
+                let rest = value - block.plane(u, v);
+                assert!((f64::from(block.range[0])..=f64::from(block.range[1])).contains(&value));
+                assert!((f64::from(block.rest[0])..=f64::from(block.rest[1])).contains(&rest));
+            }
+        }
+    }
+}
