@@ -1,5 +1,5 @@
 #version 460
-// The move of each listed vertex that costs least, of equal ones the one to the first vertex.
+// The move of each listed vertex that costs least, of equal ones the one to the vertex with the lowest key.
 #include "common.glsl"
 #include "pages.glsl"
 #include "facet.glsl"
@@ -19,7 +19,8 @@ PAGED(3, readonly, uint, move_to);
 PAGED(4, readonly, uint, move_counts);
 PAGED(5, readonly, uint, move_offsets);
 PAGED(6, readonly, float, bounds); // of the triangles that change
-PAGED(7, writeonly, Candidate, candidates);
+PAGED(7, readonly, uint, keys); // of vertices
+PAGED(8, writeonly, Candidate, candidates);
 
 float worst_of(const uint slot) {
     uint first = LOAD(move_offsets, slot);
@@ -29,6 +30,14 @@ float worst_of(const uint slot) {
         worst = max(worst, LOAD(bounds, first + k));
     }
     return worst;
+}
+
+bool is_better(const uint to, const float error, const Candidate best) {
+    if (error != best.error || best.to == NOWHERE) {
+        return error < best.error || (error == best.error && best.to == NOWHERE);
+    }
+    uint a = LOAD(keys, to), b = LOAD(keys, best.to);
+    return a < b || (a == b && to < best.to);
 }
 
 void element(uint i) {
@@ -41,7 +50,7 @@ void element(uint i) {
             continue;
         }
         float error = worst_of(first + k);
-        if (error < best.error || (error == best.error && to < best.to)) {
+        if (is_better(to, error, best)) {
             best = Candidate(to, error);
         }
     }

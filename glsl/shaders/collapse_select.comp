@@ -1,9 +1,10 @@
 #version 460
-// Selects the vertices whose candidate comes before those of all neighbours: by error, then by mixed numbers, so that
+// Selects the vertices whose candidate comes before those of all neighbours: by error, then by mixed keys, so that
 // along a row not each waits for the next.
 #include "common.glsl"
 #include "pages.glsl"
 #include "simplify.glsl"
+#include "keys.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -13,20 +14,24 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 PAGED(3, readonly, Candidate, candidates);
-PAGED(4, writeonly, uint, selected); // where it goes, or NOWHERE
+PAGED(4, readonly, uint, keys); // of vertices
+PAGED(5, writeonly, uint, selected); // where it goes, or NOWHERE
 
 Candidate candidate_of(const uint vertex) {
     return LOAD(candidates, vertex);
 }
 
-uint mixed(const uint vertex) {
-    return (vertex ^ params.round * 0x85EBCA6Bu) * 0x9E3779B1u;
+uint key_of(const uint vertex) {
+    return mixed(LOAD(keys, vertex) ^ params.round);
 }
 
 bool comes_first(const uint vertex, const Candidate own, const uint other) {
     Candidate of_other = candidate_of(other);
-    return vertex == other || of_other.to == NOWHERE || own.error < of_other.error
-        || (own.error == of_other.error && mixed(vertex) < mixed(other));
+    if (vertex == other || of_other.to == NOWHERE || own.error != of_other.error) {
+        return vertex == other || of_other.to == NOWHERE || own.error < of_other.error;
+    }
+    uint a = key_of(vertex), b = key_of(other);
+    return a < b || (a == b && vertex < other);
 }
 
 void element(uint i) {

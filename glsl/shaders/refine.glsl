@@ -19,6 +19,7 @@ struct RefinedEdge {
     float length_square; // on the flat base, local units
     uint kind;
     uint owner;
+    uint key; // see keys.glsl
 };
 
 // Edge k joins vertices k and k + 1.
@@ -54,10 +55,18 @@ uint along_edge(const RefinedVertex vertex, const uint first_gv) {
     return vertex.kind == CORNER ? (vertex.owner == first_gv ? 0u : UNIT) : vertex.param.x;
 }
 
-// The side to split first: longer before shorter, then by mixed numbers, since along a ribbon numbers rise and every
-// triangle would wait for the next. Sides have an order of their own, so all triangles of an edge agree on it.
-bool is_longer(const float a, const uint a_id, const float b, const uint b_id) {
-    uint x = floatBitsToUint(a);
-    uint y = floatBitsToUint(b);
-    return x > y || (x == y && a_id * 0x9E3779B1u > b_id * 0x9E3779B1u);
+// The side to split first: longer before shorter, then by keys, which are mixed, since along a ribbon numbers rise and
+// every triangle would wait for the next. Sides have an order of their own, so all triangles of an edge agree on it.
+bool is_longer(const RefinedEdge a, const RefinedEdge b) {
+    uint x = floatBitsToUint(a.length_square);
+    uint y = floatBitsToUint(b.length_square);
+    return x > y || (x == y && a.key > b.key);
+}
+
+// Which of three sides.
+uint longest_of(const RefinedEdge a, const RefinedEdge b, const RefinedEdge c) {
+    if (is_longer(b, a)) {
+        return is_longer(c, b) ? 2u : 1u;
+    }
+    return is_longer(c, a) ? 2u : 0u;
 }

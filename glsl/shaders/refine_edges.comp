@@ -4,6 +4,7 @@
 #include "common.glsl"
 #include "pages.glsl"
 #include "refine.glsl"
+#include "keys.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -54,8 +55,9 @@ void element(uint i) {
     STORE(next_vertices, vertex, midpoint(edge, LOAD(vertices, edge.gv.x), LOAD(vertices, edge.gv.y)));
     uint first = params.count - params.marked + 2u * before;
     float quarter = edge.length_square * 0.25;
-    STORE(next_edges, first, RefinedEdge(uvec2(edge.gv.x, vertex), quarter, edge.kind, edge.owner));
-    STORE(next_edges, first + 1u, RefinedEdge(uvec2(vertex, edge.gv.y), quarter, edge.kind, edge.owner));
+    uint key = next_key(edge.key, HALF);
+    STORE(next_edges, first, RefinedEdge(uvec2(edge.gv.x, vertex), quarter, edge.kind, edge.owner, key));
+    STORE(next_edges, first + 1u, RefinedEdge(uvec2(vertex, edge.gv.y), quarter, edge.kind, edge.owner, key));
 }
 
 #include "batch.glsl"

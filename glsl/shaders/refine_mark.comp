@@ -19,16 +19,7 @@ PAGED(3, , uint, marks);          // of edges, 0 or 1
 PAGED(4, writeonly, uint, changed);
 
 uint longest_side(const uvec3 ge) {
-    uint best = 0u;
-    float length = LOAD(edges, ge.x).length_square;
-    for (uint k = 1u; k < 3u; ++k) {
-        float other = LOAD(edges, ge[k]).length_square;
-        if (is_longer(other, ge[k], length, ge[best])) {
-            best = k;
-            length = other;
-        }
-    }
-    return best;
+    return longest_of(LOAD(edges, ge.x), LOAD(edges, ge.y), LOAD(edges, ge.z));
 }
 
 void element(uint i) {

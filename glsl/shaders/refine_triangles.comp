@@ -4,6 +4,7 @@
 #include "common.glsl"
 #include "pages.glsl"
 #include "refine.glsl"
+#include "keys.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -33,29 +34,22 @@ struct Side {
     uint vertex;
     uint whole;
     uvec2 halves; // from the side's start, to its end
+    uint key;     // of the side before
 };
 
 Side side_of(const uint ge, const uint start) {
     uint before = LOAD(mark_offsets, ge);
+    RefinedEdge edge = LOAD(edges, ge);
     if (LOAD(marks, ge) == 0u) {
-        return Side(false, 0u, ge - before, uvec2(0u));
+        return Side(false, 0u, ge - before, uvec2(0u), edge.key);
     }
     uint first = params.edges - params.marked + 2u * before;
-    bool forward = LOAD(edges, ge).gv.x == start;
-    return Side(true, params.vertices + before, 0u, forward ? uvec2(first, first + 1u) : uvec2(first + 1u, first));
+    uvec2 halves = edge.gv.x == start ? uvec2(first, first + 1u) : uvec2(first + 1u, first);
+    return Side(true, params.vertices + before, 0u, halves, edge.key);
 }
 
 uint longest_side(const uvec3 ge) {
-    uint best = 0u;
-    float length = LOAD(edges, ge.x).length_square;
-    for (uint k = 1u; k < 3u; ++k) {
-        float other = LOAD(edges, ge[k]).length_square;
-        if (is_longer(other, ge[k], length, ge[best])) {
-            best = k;
-            length = other;
-        }
-    }
-    return best;
+    return longest_of(LOAD(edges, ge.x), LOAD(edges, ge.y), LOAD(edges, ge.z));
 }
 
 RefineBase base;
@@ -70,10 +64,10 @@ vec3 base_position(const uint vertex) {
     return position;
 }
 
-uint inner_edge(const uint a, const uint b) {
+uint inner_edge(const uint a, const uint b, const uint key) {
     vec3 d = base_position(a) - base_position(b);
     precise float square = d.x * d.x + d.y * d.y + d.z * d.z;
-    STORE(next_edges, next_edge, RefinedEdge(uvec2(a, b), square, INTERIOR, base_id));
+    STORE(next_edges, next_edge, RefinedEdge(uvec2(a, b), square, INTERIOR, base_id, key));
     return next_edge++;
 }
 
@@ -90,7 +84,7 @@ void put_half(const uint p, const uint q, const uint m, const Side side, const u
         return;
     }
     uint x = side.vertex;
-    uint xm = inner_edge(x, m);
+    uint xm = inner_edge(x, m, next_key(side.key, BETWEEN));
     put(uvec3(p, x, m), uvec3(side.halves.x, xm, mp));
     put(uvec3(x, q, m), uvec3(side.halves.y, qm, xm));
 }
@@ -119,7 +113,7 @@ void element(uint i) {
     }
     base = LOAD(bases, base_id);
     uint m = base_side.vertex;
-    uint c = inner_edge(m, gv.z);
+    uint c = inner_edge(m, gv.z, next_key(base_side.key, ACROSS));
     put_half(gv.z, gv.x, m, left, base_side.halves.x, c);
     put_half(gv.y, gv.z, m, right, c, base_side.halves.y);
 }

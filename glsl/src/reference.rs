@@ -17,6 +17,7 @@ pub mod jets_correction;
 pub mod jets_expression;
 pub mod jets_height;
 pub mod jets_vector;
+pub mod keys;
 pub mod map;
 pub mod mip;
 pub mod normals_analytic;

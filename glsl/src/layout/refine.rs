@@ -17,6 +17,8 @@ mirrors! {
         pub length_square: f32,
         pub kind: u32,
         pub owner: u32,
+        /// See `reference/keys.rs`.
+        pub key: u32,
     }
 
     /// Edge k joins vertices k and k + 1.

@@ -5,8 +5,7 @@ use glam::DVec3;
 
 use super::{
     bound::{Lattice, Pyramid},
-    displace, displace_expression, displace_vector,
-    reconcile_corners, reconcile_edges,
+    displace, displace_expression, displace_vector, reconcile_corners, reconcile_edges,
     refine::{self, barycentrics},
     samples::share,
     site::Site,

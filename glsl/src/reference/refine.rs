@@ -1,6 +1,7 @@
 //! Twin of the `refine_*` passes: one round of longest-edge bisection owned by edges (Rivara 1984; templates of
 //! Plaza and Carey 2000). All but lengths is whole numbers, so device and twin agree to the bit.
 
+use super::keys::{self, step};
 use crate::layout::refine::{RefineBase, RefinedEdge, RefinedTriangle, RefinedVertex, UNIT, kind};
 
 /// The base mesh as refinement sees it.
@@ -13,6 +14,8 @@ pub struct Base {
     pub edge_side: Vec<[u32; 2]>,
     /// Positions of gvs, local units.
     pub positions: Vec<[f32; 3]>,
+    /// Of gvs; see [`keys`].
+    pub keys: Vec<u32>,
 }
 
 impl Base {
@@ -22,7 +25,8 @@ impl Base {
         for (t, triangle) in (0..triangles.len() as u32).zip(&triangles).rev() {
             triangle.ge.iter().zip(0u32..).for_each(|(ge, side)| edge_side[*ge as usize] = [t, side]);
         }
-        Self { triangles, edges, edge_side, positions }
+        let keys = positions.iter().map(|position| keys::corner(*position)).collect();
+        Self { triangles, edges, edge_side, positions, keys }
     }
 }
 
@@ -56,9 +60,8 @@ pub fn barycentrics(vertex: &RefinedVertex, base: &RefineBase) -> [u32; 3] {
 /// The side to split first.
 #[must_use]
 pub fn longest_side(edges: &[RefinedEdge], triangle: &RefinedTriangle) -> usize {
-    let mixed = |ge: u32| ge.wrapping_mul(0x9E37_79B1);
-    let key = |k: &usize| (edges[triangle.ge[*k] as usize].length_square.to_bits(), mixed(triangle.ge[*k]));
-    (0..3).max_by_key(key).unwrap_or(0)
+    let rank = triangle.ge.map(|ge| (edges[ge as usize].length_square.to_bits(), edges[ge as usize].key));
+    (1..3).fold(0, |best, k| if rank[k] > rank[best] { k } else { best })
 }
 
 /// Marks of edges: the longest sides of wanted triangles, and of all that get a hanging vertex by them.
@@ -89,7 +92,8 @@ impl Refined {
         let corner = |owner: u32| RefinedVertex { kind: kind::CORNER, owner, param: [0; 2] };
         let edge = |(owner, gv): (u32, &[u32; 2])| {
             let [a, b] = gv.map(|gv| base.positions[gv as usize]);
-            RefinedEdge { gv: *gv, length_square: length_square(a, b), kind: kind::EDGE, owner }
+            let key = keys::edge(gv.map(|gv| base.keys[gv as usize]));
+            RefinedEdge { gv: *gv, length_square: length_square(a, b), kind: kind::EDGE, owner, key }
         };
         let triangle = |(t, base): (u32, &RefineBase)| RefinedTriangle { gv: base.gv, ge: base.ge, base: t };
         Self {
@@ -118,19 +122,21 @@ impl Refined {
         next.edges = self.edges.iter().zip(marks).filter(|(_, mark)| **mark == 0).map(|(edge, _)| *edge).collect();
         for (ge, edge) in (0..).zip(&self.edges).filter(|(ge, _)| marks[*ge as usize] == 1) {
             next.vertices.push(self.midpoint(base, edge));
-            let quarter = RefinedEdge { length_square: edge.length_square * 0.25, ..*edge };
-            next.edges.push(RefinedEdge { gv: [edge.gv[0], vertex(ge)], ..quarter });
-            next.edges.push(RefinedEdge { gv: [vertex(ge), edge.gv[1]], ..quarter });
+            let key = keys::next(edge.key, step::HALF);
+            let half = RefinedEdge { length_square: edge.length_square * 0.25, key, ..*edge };
+            next.edges.push(RefinedEdge { gv: [edge.gv[0], vertex(ge)], ..half });
+            next.edges.push(RefinedEdge { gv: [vertex(ge), edge.gv[1]], ..half });
         }
         for (triangle, state) in self.triangles.iter().zip(&self.states) {
             let side = |k: usize| {
                 let ge = triangle.ge[k];
+                let edge = &self.edges[ge as usize];
                 if marks[ge as usize] == 0 {
-                    return Side { vertex: None, halves: [whole(ge); 2] };
+                    return Side { vertex: None, halves: [whole(ge); 2], key: edge.key };
                 }
                 let first = first_half(ge);
-                let forward = self.edges[ge as usize].gv[0] == triangle.gv[k];
-                Side { vertex: Some(vertex(ge)), halves: if forward { [first, first + 1] } else { [first + 1, first] } }
+                let halves = if edge.gv[0] == triangle.gv[k] { [first, first + 1] } else { [first + 1, first] };
+                Side { vertex: Some(vertex(ge)), halves, key: edge.key }
             };
             next.put(base, triangle, *state, longest_side(&self.edges, triangle), [side(0), side(1), side(2)]);
         }
@@ -166,7 +172,7 @@ impl Refined {
         let at = |k: usize| (longest + k) % 3;
         let [p, q, r] = [0, 1, 2].map(|k| triangle.gv[at(k)]);
         let [to_start, to_end] = sides[longest].halves;
-        let across = self.inner_edge(base, triangle.base, middle, r);
+        let across = self.inner_edge(base, triangle.base, [middle, r], keys::next(sides[longest].key, step::ACROSS));
         self.put_half(base, triangle.base, [r, p, middle], &sides[at(2)], to_start, across);
         self.put_half(base, triangle.base, [q, r, middle], &sides[at(1)], across, to_end);
     }
@@ -178,20 +184,20 @@ impl Refined {
             refined.states.push(0);
         };
         let Some(x) = side.vertex else { return push(self, [p, q, m], [side.halves[0], qm, mp]) };
-        let xm = self.inner_edge(base, owner, x, m);
+        let xm = self.inner_edge(base, owner, [x, m], keys::next(side.key, step::BETWEEN));
         push(self, [p, x, m], [side.halves[0], xm, mp]);
         push(self, [x, q, m], [side.halves[1], qm, xm]);
     }
 
-    fn inner_edge(&mut self, base: &Base, owner: u32, a: u32, b: u32) -> u32 {
+    fn inner_edge(&mut self, base: &Base, owner: u32, gv: [u32; 2], key: u32) -> u32 {
         let place = |vertex: u32| {
             let triangle = &base.triangles[owner as usize];
             let b = barycentrics(&self.vertices[vertex as usize], triangle).map(|units| units as f32 / UNIT as f32);
             let [p, q, r] = triangle.gv.map(|gv| base.positions[gv as usize]);
             std::array::from_fn(|k| b[0] * p[k] + b[1] * q[k] + b[2] * r[k])
         };
-        let length_square = length_square(place(a), place(b));
-        self.edges.push(RefinedEdge { gv: [a, b], length_square, kind: kind::INTERIOR, owner });
+        let length_square = length_square(place(gv[0]), place(gv[1]));
+        self.edges.push(RefinedEdge { gv, length_square, kind: kind::INTERIOR, owner, key });
         self.edges.len() as u32 - 1
     }
 }
@@ -201,6 +207,8 @@ struct Side {
     vertex: Option<u32>,
     /// From the side's start, to its end.
     halves: [u32; 2],
+    /// Of the side before.
+    key: u32,
 }
 
 /// In f32, since it decides which side is split.

@@ -2,6 +2,7 @@
 //! that keep it. By the f64 twins, on all cores, or by the passes (`device`), which know height layers and a tolerance
 //! that is the same everywhere.
 
+mod budget;
 pub mod device;
 mod refine;
 mod simplify;
@@ -33,6 +34,7 @@ use crate::{
     },
     vulkan::Device,
 };
+use budget::Attempt;
 use device::OnDevice;
 use refine::Grown;
 
@@ -75,8 +77,9 @@ const MOST_REFINED: u64 = 8;
 const MOST_IN_MEMORY: u64 = 1 << 24;
 /// f32 positions are off by half a unit in the last place along each axis, with their place and their height.
 const ROUNDING: f64 = 2.0 / (1 << 24) as f64;
-/// A tolerance that cannot be kept within the budget is loosened so often at most: each time by a tenth and more.
-const MOST_ATTEMPTS: u32 = 64;
+/// Refined meshes this small are collapsed in so many orders; the fewest triangles count.
+const FEW_REFINED: usize = 1000;
+const ORDERS: u32 = 8;
 
 /// Tessellates `mesh`, whose tables are at level 0, on the processor.
 pub fn tessellate(job: &JobContext<'_>, plan: &TolerancePlan, tables: &Tables, mesh: &Mesh) -> Result<Tessellated> {
@@ -106,27 +109,15 @@ fn attempts(
     let places = Places::new(tables, &base);
     let on = device.map(|device| OnDevice::new(device, &places, asked(plan))).transpose()?;
     let work = |factor| Work::new(job, plan, &places, mesh, factor);
-    let mut factor = 1.0;
-    for _ in 0..MOST_ATTEMPTS {
-        match (Work { on: on.as_ref(), ..work(factor) }).run_anywhere()? {
-            Attempt::Done(result) => return Ok(result),
-            Attempt::TooMany { most_likely } => factor *= most_likely.max(1.1),
-        }
+    let attempt = |factor| (Work { on: on.as_ref(), ..work(factor) }).run_anywhere();
+    match budget::fitting(plan.max_triangles, attempt)? {
+        Some(result) => Ok(result),
+        None => work(1.0).of_base(),
     }
-    work(1.0).of_base()
 }
 
 fn asked(plan: &TolerancePlan) -> Asked {
     Asked { at_texels: plan.error_at == ErrorAt::Texels }
-}
-
-/// What a tolerance leads to.
-enum Attempt {
-    Done(Tessellated),
-    /// More triangles than the budget: loosen the tolerance by this factor.
-    TooMany {
-        most_likely: f64,
-    },
 }
 
 /// One attempt at the tolerance of the plan times `factor`.
@@ -190,7 +181,7 @@ impl<'w> Work<'w> {
 
     fn shrunk(&self, grown: Grown, budget: u64, mut times: Vec<PassTime>) -> Result<Attempt> {
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
-        let mut mesh = grown.mesh;
+        let mut mesh = grown.mesh.keyed(self.places.base);
         fit.collapse_rounds = timed("collapse", &mut times, || self.shrink(&mut mesh, SWEEPS[self.quality()]))?;
         let triangles = mesh.triangles.len() as u64;
         if triangles > budget {
@@ -212,10 +203,20 @@ impl<'w> Work<'w> {
     }
 
     fn shrink(&self, mesh: &mut Simplified, sweeps: u32) -> Result<u32> {
-        match self.on {
-            Some(on) => self.simplify_on(on, mesh, sweeps),
-            None => self.simplify(mesh, sweeps),
+        if let Some(on) = self.on {
+            return self.simplify_on(on, mesh, sweeps);
         }
+        let orders = if mesh.triangles.len() <= FEW_REFINED { ORDERS } else { 1 };
+        let grown = mesh.clone();
+        let mut rounds = self.simplify(mesh, sweeps, 0)?;
+        for order in 1..orders {
+            let mut other = grown.clone();
+            let other_rounds = self.simplify(&mut other, sweeps, order)?;
+            if other.triangles.len() < mesh.triangles.len() {
+                (*mesh, rounds) = (other, other_rounds);
+            }
+        }
+        Ok(rounds)
     }
 
     /// The base mesh as it is, whatever its error.

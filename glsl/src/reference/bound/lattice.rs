@@ -61,9 +61,10 @@ impl<'t> Lattice<'t> {
 
     /// Whether the window, and a cell around it, needs no wrapping.
     pub(super) fn holds(&self, window: &Window) -> bool {
-        self.axes().into_iter().enumerate().all(|(k, axis)| {
-            window.low[k] >= 1.0 && window.high[k] <= f64::from(axis.top.min(axis.fold / 2) - 1)
-        })
+        self.axes()
+            .into_iter()
+            .enumerate()
+            .all(|(k, axis)| window.low[k] >= 1.0 && window.high[k] <= f64::from(axis.top.min(axis.fold / 2) - 1))
     }
 }
 

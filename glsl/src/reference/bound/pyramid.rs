@@ -157,7 +157,8 @@ impl Block {
         };
         let size = [(x1 - x0) as f64, (y1 - y0) as f64];
         let value = |x: i64, y: i64| {
-            let holds = |(_, [xs, ys]): &&(Self, [[i64; 2]; 2])| (xs[0]..=xs[1]).contains(&x) && (ys[0]..=ys[1]).contains(&y);
+            let holds =
+                |(_, [xs, ys]): &&(Self, [[i64; 2]; 2])| (xs[0]..=xs[1]).contains(&x) && (ys[0]..=ys[1]).contains(&y);
             let part = parts.iter().rev().find(holds);
             part.map_or(0.0, |(part, [xs, ys])| part.plane((x - xs[0]) as f64, (y - ys[0]) as f64))
         };

@@ -42,10 +42,7 @@ impl Window {
     }
 
     pub(super) fn clipped(&self, to: &Self) -> Self {
-        Self {
-            low: [0, 1].map(|k| self.low[k].max(to.low[k])),
-            high: [0, 1].map(|k| self.high[k].min(to.high[k])),
-        }
+        Self { low: [0, 1].map(|k| self.low[k].max(to.low[k])), high: [0, 1].map(|k| self.high[k].min(to.high[k])) }
     }
 
     /// Where the side from a to b enters and leaves; none where it stays outside.

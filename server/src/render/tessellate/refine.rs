@@ -57,7 +57,7 @@ impl Work<'_> {
     pub(super) fn start(&self) -> Result<Grown> {
         let refined = Refined::of(self.places.base);
         let triangles = refined.triangles.iter().map(Facet::from).collect();
-        let mesh = Simplified { vertices: refined.vertices.clone(), positions: Vec::new(), triangles };
+        let mesh = Simplified { vertices: refined.vertices.clone(), triangles, ..Simplified::default() };
         let mut grown = Grown { mesh, rounds: 0, mismatch: self.places.mismatch };
         self.place(&refined, &mut grown)?;
         Ok(grown)

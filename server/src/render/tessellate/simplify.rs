@@ -1,6 +1,10 @@
 //! Simplification: rounds of collapses, then flips that let more vertices go.
 
-use displace_glsl::reference::collapse::{Candidate, Simplified, Stars};
+use displace_glsl::reference::{
+    collapse::{Candidate, Judge, Simplified, Stars},
+    flip::Flip,
+    keys,
+};
 use rayon::prelude::*;
 
 use super::Work;
@@ -12,9 +16,11 @@ pub(super) const FLIP_ROUNDS: u32 = 3;
 pub(super) const MOST_ROUNDS: u32 = 1000;
 
 impl Work<'_> {
-    /// Collapses all that can be, then flips and collapses again `sweeps` times. Returns the rounds of collapses.
-    pub(super) fn simplify(&self, mesh: &mut Simplified, sweeps: u32) -> Result<u32> {
+    /// Collapses all that can be, then flips and collapses again `sweeps` times. Of vertices that cost the same, another
+    /// goes first in another `order`. Returns the rounds of collapses.
+    pub(super) fn simplify(&self, mesh: &mut Simplified, sweeps: u32, order: u32) -> Result<u32> {
         let mut candidates = vec![Candidate::None; mesh.vertices.len()];
+        mesh.keys.iter_mut().for_each(|key| *key = keys::mixed(*key ^ order));
         let mut rounds = 0;
         self.collapse(mesh, &mut candidates, (0..mesh.vertices.len() as u32).collect(), &mut rounds)?;
         for _ in 0..sweeps {
@@ -60,42 +66,68 @@ impl Work<'_> {
     ) -> Vec<u32> {
         self.judged(mesh, stars, |judge| {
             fill(candidates, dirty, dirty.par_iter().map(|vertex| judge.estimate(*vertex)).collect());
+            let turn = |(vertex, candidate): (usize, &Candidate)| mesh.turn(vertex as u32, candidate, round);
+            let mut turns: Vec<u64> = candidates.par_iter().enumerate().map(turn).collect();
+            let mut open: Vec<u32> = (0..candidates.len() as u32).collect();
+            let mut selected = Vec::new();
             loop {
-                let known: &[Candidate] = candidates;
-                let first = |vertex: &u32| mesh.comes_first(stars, known, *vertex, round);
-                let first: Vec<u32> = (0..candidates.len() as u32).into_par_iter().filter(first).collect();
-                let is_estimate = |vertex: &u32| matches!(known[*vertex as usize], Candidate::AtLeast { .. });
+                let first = |vertex: &u32| mesh.comes_first(stars, &turns, *vertex);
+                let first: Vec<u32> = open.into_par_iter().filter(first).collect();
+                let is_estimate = |vertex: &u32| matches!(candidates[*vertex as usize], Candidate::AtLeast { .. });
                 let (unsure, sure): (Vec<u32>, Vec<u32>) = first.into_iter().partition(is_estimate);
+                selected.extend(sure);
                 if unsure.is_empty() {
-                    return sure;
+                    return selected;
                 }
                 fill(candidates, &unsure, unsure.par_iter().map(|vertex| judge.candidate(*vertex)).collect());
+                for vertex in &unsure {
+                    turns[*vertex as usize] = mesh.turn(*vertex, &candidates[*vertex as usize], round);
+                }
+                // Others come no earlier than before: only these and those around may now come first.
+                open = mesh.around(stars, &unsure);
             }
         })
     }
 
     /// Returns the vertices around which triangles changed.
     fn flip(&self, mesh: &mut Simplified) -> Result<Vec<u32>> {
-        let mut all = Vec::new();
+        let mut errors = vec![0.0; mesh.triangles.len()];
+        let mut wanted: Vec<Option<Flip>> = vec![None; mesh.triangles.len()];
+        let mut changed: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        let mut touched = Vec::new();
+        let mut stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
         for _ in 0..FLIP_ROUNDS {
             self.job.cancel.check()?;
-            let stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
-            let flips: Vec<_> = self.judged(mesh, &stars, |judge| {
-                let errors: Vec<f64> = mesh.triangles.par_iter().map(|facet| judge.error_of(facet, 1.0)).collect();
-                (0..mesh.triangles.len() as u32).into_par_iter().map(|t| judge.flip(t, &errors)).collect()
+            self.judged(mesh, &stars, |judge| {
+                let found: Vec<f64> =
+                    changed.par_iter().map(|t| judge.error_of(&mesh.triangles[*t as usize], 1.0)).collect();
+                changed.iter().zip(found).for_each(|(t, error)| errors[*t as usize] = error);
+                want(judge, &changed, &errors, &mut wanted);
             });
-            let touched = mesh.flip(&flips);
-            if touched.is_empty() {
+            let turned = mesh.flip(&wanted);
+            if turned.triangles.is_empty() {
                 break;
             }
-            all.extend(touched);
+            changed = turned.triangles;
+            touched.extend(turned.vertices);
+            stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
         }
-        let stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
-        let around = |vertex: &u32| stars.of(*vertex).iter().flat_map(|t| mesh.triangles[*t as usize].gv);
-        let mut around: Vec<u32> = all.iter().flat_map(around).collect();
-        around.sort_unstable();
-        around.dedup();
-        Ok(around)
+        Ok(mesh.around(&stars, &touched))
+    }
+}
+
+/// Finds out what the changed triangles and their neighbours want most, each side once.
+fn want(judge: &Judge<'_>, changed: &[u32], errors: &[f64], wanted: &mut [Option<Flip>]) {
+    let list = judge.mesh.with_neighbours(judge.stars, changed);
+    let is_listed = |t: u32| list.binary_search(&t).is_ok();
+    let skips = |t: u32, other: u32| other < t && is_listed(other);
+    let found: Vec<Flip> =
+        list.par_iter().flat_map_iter(|t| judge.flips(*t, errors, |other| skips(*t, other))).collect();
+    list.iter().for_each(|t| wanted[*t as usize] = None);
+    for flip in found {
+        for t in flip.triangles.into_iter().filter(|t| is_listed(*t)) {
+            wanted[t as usize] = Some(flip.better(wanted[t as usize]));
+        }
     }
 }
 

@@ -1,5 +1,10 @@
+//! Searches against looking everywhere.
+
 use super::*;
-use crate::{layout::geometry::{Layer, MapAxis}, tables::Tables};
+use crate::{
+    layout::geometry::{Layer, MapAxis},
+    tables::Tables,
+};
 
 /// A small generator of numbers (Steele et al. 2014, splitmix64).
 struct Numbers(u64);
@@ -45,7 +50,8 @@ fn map(numbers: &mut Numbers) -> Tables {
     };
     let rough = numbers.share() as f32;
     let tilt = [0; 2].map(|_| numbers.below(3) as f32);
-    let mut texel = |k: i32| (k % width) as f32 * tilt[0] + (k / width) as f32 * tilt[1] + rough * numbers.share() as f32;
+    let mut texel =
+        |k: i32| (k % width) as f32 * tilt[0] + (k / width) as f32 * tilt[1] + rough * numbers.share() as f32;
     let texels = (0..width * height).map(&mut texel).collect();
     Tables { layers: vec![layer], texels, ..Tables::default() }
 }
@@ -53,7 +59,9 @@ fn map(numbers: &mut Numbers) -> Tables {
 fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [Corner; 3] {
     let size = [3.0, 30.0, 300.0][numbers.below(3) as usize];
     let middle = [0; 2].map(|_| 80.0 * (numbers.share() - 0.5));
-    let place = |numbers: &mut Numbers| middle.map(|at| (at + size * (numbers.share() - 0.5)) * 16.0).map(f64::round).map(|x| x / 16.0);
+    let place = |numbers: &mut Numbers| {
+        middle.map(|at| (at + size * (numbers.share() - 0.5)) * 16.0).map(f64::round).map(|x| x / 16.0)
+    };
     let [a, b, mut c] = [0; 3].map(|_| place(numbers));
     match numbers.below(4) {
         0 => c = b,

@@ -57,7 +57,8 @@ impl Bounds {
     /// `places` are those of tables that [`super::tables::supports`] says yes to.
     pub fn new(device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
         let tables = BoundTables::new(places);
-        let reliefs: Vec<f32> = places.pyramids.iter().map(|of| of.first().map_or(f32::MAX, |of| of.relief() as f32)).collect();
+        let reliefs: Vec<f32> =
+            places.pyramids.iter().map(|of| of.first().map_or(f32::MAX, |of| of.relief() as f32)).collect();
         Ok(Self {
             device: Arc::clone(device),
             vertices: Stream::from_slice(device, "bound_vertices", &tables.vertices)?,

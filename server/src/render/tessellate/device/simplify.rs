@@ -45,6 +45,7 @@ pub struct Simplification<'s> {
     /// Largest distance allowed, local units.
     tolerance: f32,
     vertices: Stream,
+    keys: Stream,
     bases: Stream,
     /// Displaced, by vertex.
     positions: Stream,
@@ -84,6 +85,7 @@ impl<'s> Simplification<'s> {
             bounds,
             tolerance: tolerance as f32,
             vertices: Stream::from_slice(device, "vertices", &mesh.vertices)?,
+            keys: Stream::from_slice(device, "keys", &mesh.keys)?,
             bases: Stream::from_slice(device, "bases", &places.base.triangles)?,
             positions: Stream::from_slice(device, "positions", &positions)?,
             facing: Stream::from_slice(device, "facing", &places.tables.triangle_facing)?,

@@ -47,6 +47,7 @@ impl Simplification<'_> {
             ("star_first", &stars.first),
             ("star_items", &stars.items),
             ("candidates", &self.candidates),
+            ("keys", &self.keys),
             ("selected", &selected),
         ];
         let params = CollapseSelectParams { count: vertices as u32, round };

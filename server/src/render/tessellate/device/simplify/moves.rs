@@ -70,6 +70,7 @@ impl<'s> Simplification<'s> {
             ("move_counts", &moves.counts),
             ("move_offsets", &offsets),
             ("bounds", &bounds),
+            ("keys", &self.keys),
             ("candidates", &self.candidates),
         ];
         recorder.dispatch(&SHADERS.collapse_candidate, chunk.count, &params, &streams)?;
