@@ -1,9 +1,14 @@
 //! The same request on the same device gives the same bytes: run after run, with one driver thread or two,
 //! and whatever the order of the input.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
-use displace_server::domain::{mesh::Mesh, surface::Surface};
+use displace_server::domain::{
+    detail::Detail,
+    mesh::Mesh,
+    request::{Allowed, ErrorAt, Geometry, Quality, Refinement, Tolerance},
+    surface::Surface,
+};
 use displace_tests::{
     cli::Displace,
     data::sample,
@@ -57,16 +62,21 @@ fn shapes(base: &Mesh, surface: &Surface) -> BTreeMap<Shape, u32> {
     counts
 }
 
+fn within_a_hundredth() -> Geometry {
+    let allowed = Allowed::Diagonal(0.01);
+    let tolerance = Tolerance { allowed, error_at: ErrorAt::Surface, quality: Quality::Normal };
+    Geometry { refinement: Refinement::Tolerance(tolerance), ..uniform(0) }
+}
+
 /// Heights need no tangents. Where a detail does, MikkTSpace sums over triangles in their order, and its last bits
 /// follow it.
-fn check_permuted(mesh: &TestMesh) {
+fn check_permuted(mesh: &TestMesh, noise: &Arc<Detail>, geometry: &Geometry) {
     let Some(executor) = device::executor("determinism") else { return };
-    let noise = detail(noise_height(64, 6), 0.1);
     let base = mesh.to_mesh_without_tangents();
-    let expected = shapes(&base, &displace(&*executor, &base, &noise, &uniform(3)));
+    let expected = shapes(&base, &displace(&*executor, &base, noise, geometry));
     for seed in 0..3 {
         let permuted = mesh.permuted(seed).to_mesh_without_tangents();
-        let found = shapes(&permuted, &displace(&*executor, &permuted, &noise, &uniform(3)));
+        let found = shapes(&permuted, &displace(&*executor, &permuted, noise, geometry));
         let changed = expected.keys().filter(|shape| !found.contains_key(*shape)).count();
         assert!(found == expected, "{}, seed {seed}: {changed} of {} triangles changed", mesh.name, expected.len());
     }
@@ -74,8 +84,17 @@ fn check_permuted(mesh: &TestMesh) {
 
 #[test]
 fn the_order_of_the_input_does_not_matter() {
+    let noise = detail(noise_height(64, 6), 0.1);
     for mesh in meshes::all() {
-        check_permuted(&mesh);
+        check_permuted(&mesh, &noise, &uniform(3));
+    }
+}
+
+#[test]
+fn the_order_of_the_input_does_not_matter_to_a_tolerance() {
+    let noise = detail(noise_height(16, 6), 0.05);
+    for mesh in meshes::all() {
+        check_permuted(&mesh, &noise, &within_a_hundredth());
     }
 }
 

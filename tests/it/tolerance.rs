@@ -4,6 +4,7 @@
 mod cases;
 mod figures;
 mod judge;
+mod uvs;
 
 use displace_server::{
     domain::request::{ErrorAt, Geometry, Quality, Refinement, Tolerance},
