@@ -12,6 +12,7 @@ pub mod fit;
 pub mod gltf;
 pub mod grid;
 pub mod image;
+pub mod lods;
 pub mod look;
 pub mod maps;
 pub mod measurement;

@@ -15,6 +15,7 @@ mod images;
 mod inputs;
 mod job;
 mod key;
+mod levels;
 mod measure;
 mod owner;
 mod packing;

@@ -6,6 +6,7 @@ mod determinism;
 mod gltf;
 mod invariants;
 mod lists;
+mod lods;
 mod measure;
 mod oracle;
 mod oracle_image;

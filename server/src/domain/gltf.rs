@@ -33,7 +33,10 @@ use super::{
 pub use displacement::forget_displacement;
 use json::At;
 use source::Source;
-pub use write::{Packing, Painted, Written, obstacles, write, write_painted};
+pub use write::{
+    Chain, Level, Packing, Painted, Written, node_with_lods, obstacles, shown_by_nodes, write, write_lods,
+    write_painted,
+};
 
 /// External files by the URI the document uses.
 pub type Resources<'a> = dyn Fn(&str) -> Option<Bytes> + 'a;

@@ -26,6 +26,9 @@ pub struct Report {
     pub measurement: Option<Measurement>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stretch: Option<Stretch>,
+    /// Level 0 first; none where no levels were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lods: Vec<Lod>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -90,6 +93,17 @@ pub struct Comparison {
     /// is covered in both.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hit_error_px: Option<f64>,
+}
+
+/// One level of detail; lengths are in the unit of `Fitted`. A mesh whose chain ended earlier counts with its last level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Lod {
+    pub triangles: u64,
+    pub vertices: u64,
+    /// What it keeps; of several meshes the worst.
+    pub tolerance: f64,
+    /// No place is farther from the surface.
+    pub bound: f64,
 }
 
 /// How much the displacement stretches the base: the largest factor by which it lengthens any direction on a

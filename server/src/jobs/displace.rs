@@ -1,8 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, packing, seams,
-    strain, work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, levels, packing,
+    seams, strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -49,11 +49,13 @@ impl Work for DisplaceWork {
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
             Ok(packing)
         })?;
+        let levels = levels::make(context, &mut inputs, &surfaces, &self.request, &mut passes)?;
+        report.lods = levels.report;
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
         let written = inputs::timed(context.progress, "write_glb", &mut passes, || {
-            gltf::write(&inputs.scene, &surfaces, &packing)
+            gltf::write_lods(&inputs.scene, &surfaces, &packing, &levels.chains)
         })?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);

@@ -21,7 +21,7 @@ use crate::{
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, cautions, plans::Plans},
+    jobs::{AssetReader, JobLimits, WorkContext, cautions, levels, plans::Plans},
     render::JobContext,
 };
 
@@ -46,6 +46,7 @@ impl Inputs {
         let mut passes = Vec::new();
         let mut scene =
             timed(job.progress, "read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
+        levels::check(&scene, request.lods)?;
         if let Some(digest) = &request.base_color {
             look::replace_base_color(&mut scene, assets.read(digest)?)?;
         }

@@ -116,6 +116,16 @@ impl Allowed {
         }
     }
 
+    /// The same kind with another number.
+    #[must_use]
+    pub fn with_value(&self, value: f64) -> Self {
+        match self {
+            Self::Diagonal(_) => Self::Diagonal(value),
+            Self::World(_) => Self::World(value),
+            Self::Pixels { views, .. } => Self::Pixels { tolerance_px: value, views: views.clone() },
+        }
+    }
+
     /// What the number counts, for messages.
     #[must_use]
     pub fn unit(&self) -> &'static str {
