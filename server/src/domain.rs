@@ -17,6 +17,7 @@ pub mod look;
 pub mod maps;
 pub mod measurement;
 pub mod mesh;
+pub mod normal_map;
 pub mod plan;
 pub mod report;
 pub mod request;

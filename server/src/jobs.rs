@@ -17,6 +17,7 @@ mod job;
 mod key;
 mod levels;
 mod measure;
+mod normal_maps;
 mod owner;
 mod packing;
 mod plans;

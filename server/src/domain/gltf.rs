@@ -34,8 +34,8 @@ pub use displacement::forget_displacement;
 use json::At;
 use source::Source;
 pub use write::{
-    Chain, Level, Packing, Painted, Written, node_with_lods, obstacles, shown_by_nodes, write, write_lods,
-    write_painted,
+    Chain, Contents, Level, NormalMap, Packing, Painted, Written, node_with_lods, obstacles, sheet, shown_by_nodes,
+    write, write_contents, write_painted,
 };
 
 /// External files by the URI the document uses.

@@ -29,6 +29,9 @@ pub struct Report {
     /// Level 0 first; none where no levels were asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lods: Vec<Lod>,
+    /// Those made for the result.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub normal_maps: Vec<NormalMap>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -104,6 +107,24 @@ pub struct Lod {
     pub tolerance: f64,
     /// No place is farther from the surface.
     pub bound: f64,
+}
+
+/// A normal map that carries what the triangles of a primitive leave out of the surface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NormalMap {
+    pub mesh: String,
+    pub primitive: u32,
+    /// Level of detail.
+    pub lod: u32,
+    /// Texels along u and along v.
+    pub size: [u32; 2],
+    /// Share of the texels that the primitive covers.
+    pub coverage: f64,
+    /// Texels whose normal points into the triangle that has them, which a map cannot hold: they lie in it.
+    pub clamped: u64,
+    /// Angles between the surface's normals and those that a reader of the map sees, at places spread evenly.
+    pub angle_p50_deg: f64,
+    pub angle_p99_deg: f64,
 }
 
 /// How much the displacement stretches the base: the largest factor by which it lengthens any direction on a

@@ -21,7 +21,7 @@ use crate::{
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, cautions, levels, plans::Plans},
+    jobs::{AssetReader, JobLimits, WorkContext, cautions, levels, normal_maps, plans::Plans},
     render::JobContext,
 };
 
@@ -60,7 +60,9 @@ impl Inputs {
             plans.keep_back(&scene, &details);
         }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
-        Ok(Self { scene, plans, details, triangles_in, passes })
+        let mut inputs = Self { scene, plans, details, triangles_in, passes };
+        normal_maps::check(&mut inputs, &request.geometry)?;
+        Ok(inputs)
     }
 
     /// Displaces every base mesh, one after the other.

@@ -1,12 +1,12 @@
 //! Levels of detail: from the same base and detail, each coarser than the one before it.
 
-use super::{WorkContext, fits, inputs, inputs::Inputs, packing, plans};
+use super::{WorkContext, fits, inputs, inputs::Inputs, normal_maps, packing, plans};
 use crate::domain::{
     Error, Result,
     gltf::{self, Chain, Level},
     lods,
     plan::{SurfacePlan, TessellationPlan, TolerancePlan},
-    report::{Lod, PassTime, Warning},
+    report::{self, Lod, PassTime, Warning},
     request::{Compression, DisplaceRequest, Tolerance},
     scene::Scene,
     surface::Surface,
@@ -17,6 +17,7 @@ use crate::domain::{
 pub(super) struct Levels {
     pub(super) chains: Vec<Chain>,
     pub(super) report: Vec<Lod>,
+    pub(super) normal_maps: Vec<report::NormalMap>,
 }
 
 /// Fails where the mesh has levels of its own: those made of them would be told apart by nobody.
@@ -52,10 +53,9 @@ pub(super) fn make(
         chains.extend((levels.levels.first().is_some()).then_some(levels));
         tally.lods.push(lods);
     }
-    let warnings = tally.warnings;
     let report = summed(&tally.lods, request.lods);
-    inputs.scene.warnings.extend(warnings);
-    Ok(Levels { chains, report })
+    inputs.scene.warnings.extend(tally.warnings);
+    Ok(Levels { chains, report, normal_maps: tally.normal_maps })
 }
 
 /// What all chains take together.
@@ -65,6 +65,7 @@ struct Tally {
     bytes: u64,
     /// Of each mesh, level 0 first.
     lods: Vec<Vec<Lod>>,
+    normal_maps: Vec<report::NormalMap>,
     warnings: Vec<Warning>,
 }
 
@@ -99,7 +100,7 @@ impl Maker<'_> {
         let levels = if is_shown { self.request.lods } else { 1 };
         for number in 1..levels {
             let before = chain.levels.last().map_or(surface, |level| &level.surface);
-            let made = self.level(mesh, lods[number as usize - 1].tolerance, passes)?;
+            let mut made = self.level(mesh, lods[number as usize - 1].tolerance, passes)?;
             if made.level.surface.triangles.len() >= before.triangles.len() {
                 tally.warnings.push(self.ended(mesh, number, before));
                 break;
@@ -107,6 +108,11 @@ impl Maker<'_> {
             self.check_size(mesh, &made.level.surface, tally)?;
             lods.push(lod(&made.plan, &made.level.surface));
             tolerances_local.push(tolerance_local(&made.plan, &made.level.surface));
+            let geometry = &self.request.geometry;
+            let surface = (mesh, &made.level.surface);
+            let maps = normal_maps::make(self.context, self.inputs, geometry, surface, number, passes)?;
+            made.level.normal_maps = maps.maps;
+            tally.normal_maps.extend(maps.report);
             chain.levels.push(made.level);
         }
         chain.coverages = lods::coverages(radius(surface), &tolerances_local);
@@ -130,7 +136,7 @@ impl Maker<'_> {
         let (mut surface, times) = self.context.executor.displace(&self.context.job(), &plan, base, &details[mesh])?;
         inputs::add_times(passes, times);
         let grid = quantizes.then(|| packing::grid(&plan, &mut surface)).flatten();
-        Ok(Made { plan, level: Level { surface, grid } })
+        Ok(Made { plan, level: Level { surface, grid, normal_maps: Vec::new() } })
     }
 
     fn ended(&self, mesh: usize, number: u32, before: &Surface) -> Warning {

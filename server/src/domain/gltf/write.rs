@@ -8,6 +8,7 @@
 //! | `listing.rs`, `collapsed.rs` | its vertices and triangles in the order of the file, without what quantising undid |
 //! | `streams.rs`, `pack.rs` | its accessors; the bytes of the file, plain or compressed |
 //! | `lods.rs` | levels of detail: more meshes and nodes |
+//! | `tangents.rs`, `sheet.rs`, `normal_maps.rs` | tangents; what normal maps are made from; their materials |
 //! | `packing.rs`, `dequantize.rs` | which meshes are quantised, and the nodes that take them back |
 //! | `painted.rs` | a file of its own: a mesh painted by a figure |
 
@@ -19,12 +20,15 @@ mod document;
 mod fine;
 mod listing;
 mod lods;
+mod normal_maps;
 mod pack;
 mod packing;
 mod painted;
 mod primitive;
+mod sheet;
 mod skin;
 mod streams;
+mod tangents;
 
 use rayon::prelude::*;
 use serde_json::Value;
@@ -43,10 +47,12 @@ pub(super) use claims::drop_names;
 use document::Kept;
 use fine::Fine;
 pub use lods::{Chain, Level, node_with_lods, shown_by_nodes};
+pub use normal_maps::NormalMap;
 use pack::Builder;
 pub use packing::{Packing, obstacles};
 pub use painted::{Painted, write_painted};
 use primitive::{Coding, Part};
+pub use sheet::sheet;
 
 /// A GLB and what could not be kept in it.
 #[derive(Clone, Debug, Default)]
@@ -62,17 +68,32 @@ struct Shown<'a> {
     mesh: &'a Mesh,
     surface: &'a Surface,
     grid: Option<Grid>,
+    /// Of each primitive; empty where none has any.
+    normal_maps: &'a [Option<NormalMap>],
+}
+
+/// What is written of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Contents<'a> {
+    /// In place of each mesh of the scene.
+    pub surfaces: &'a [Surface],
+    pub packing: &'a Packing,
+    /// At most one for each mesh.
+    pub chains: &'a [Chain],
+    /// Of each mesh, of each of its primitives; both may be empty where none has any.
+    pub normal_maps: &'a [Vec<Option<NormalMap>>],
 }
 
 /// Writes the scene with `surfaces[i]` in place of `scene.meshes[i]`.
 pub fn write(scene: &Scene, surfaces: &[Surface], packing: &Packing) -> Result<Written> {
-    write_lods(scene, surfaces, packing, &[])
+    write_contents(scene, &Contents { surfaces, packing, chains: &[], normal_maps: &[] })
 }
 
-/// The same with lower levels of detail beside some of them, at most one chain for each mesh.
-pub fn write_lods(scene: &Scene, surfaces: &[Surface], packing: &Packing, chains: &[Chain]) -> Result<Written> {
+/// The same with lower levels of detail and normal maps.
+pub fn write_contents(scene: &Scene, contents: &Contents<'_>) -> Result<Written> {
+    let Contents { packing, chains, .. } = *contents;
     let mut document = scene.document.clone();
-    let mut shown = shown(scene, surfaces, packing)?;
+    let mut shown = shown(scene, contents)?;
     shown.extend(lods::insert(&mut document, scene, chains));
     let mut warnings = Vec::new();
     let parts = parts(scene, &shown, packing, &mut warnings)?;
@@ -84,6 +105,7 @@ pub fn write_lods(scene: &Scene, surfaces: &[Surface], packing: &Packing, chains
     let kept = Kept::of(&mut document);
     kept.copy(&mut document, scene, &mut builder, &mut warnings)?;
     embed_images(&mut document, scene, &mut builder);
+    normal_maps::insert(&mut document, &mut builder, &parts);
     for part in &parts {
         let data = part.write(&mut builder)?;
         document::fill_primitive(&mut document, part.gltf_mesh, part.fine.primitive.gltf_primitive, data);
@@ -100,7 +122,8 @@ pub fn write_lods(scene: &Scene, surfaces: &[Surface], packing: &Packing, chains
     Ok(Written { bytes: builder.pack(&document)?, warnings })
 }
 
-fn shown<'a>(scene: &'a Scene, surfaces: &'a [Surface], packing: &Packing) -> Result<Vec<Shown<'a>>> {
+fn shown<'a>(scene: &'a Scene, contents: &Contents<'a>) -> Result<Vec<Shown<'a>>> {
+    let Contents { surfaces, packing, normal_maps, .. } = *contents;
     if surfaces.len() != scene.meshes.len() {
         let message = format!("{} surfaces for {} meshes", surfaces.len(), scene.meshes.len());
         return Err(Error::internal(message));
@@ -111,6 +134,7 @@ fn shown<'a>(scene: &'a Scene, surfaces: &'a [Surface], packing: &Packing) -> Re
         mesh,
         surface,
         grid: packing.grid(i),
+        normal_maps: normal_maps.get(i).map_or(&[], Vec::as_slice),
     };
     Ok(pairs.map(of_mesh).collect())
 }
@@ -143,12 +167,13 @@ fn parts<'a>(
 }
 
 fn parts_of<'a>(scene: &'a Scene, shown: Shown<'a>, packing: &Packing) -> Result<Vec<(Part<'a>, Option<Warning>)>> {
-    let Shown { gltf_mesh, mesh, surface, grid } = shown;
+    let Shown { gltf_mesh, mesh, surface, grid, normal_maps } = shown;
     fine::check(mesh, surface)?;
     let coding = Coding { is_quantized: packing.is_quantized(), grid };
     // A primitive that lost all its triangles stays as the file has it.
     let solid: Vec<usize> = (0..mesh.primitives.len()).filter(|p| !mesh.primitives[*p].triangles.is_empty()).collect();
-    let part = |p: usize| Part::new(scene, gltf_mesh, Fine::new(mesh, surface, p), coding);
+    let map = |p: usize| normal_maps.get(p).and_then(Option::as_ref);
+    let part = |p: usize| Part::new(scene, gltf_mesh, Fine::new(mesh, surface, p), coding, map(p));
     let (mut parts, warnings): (Vec<_>, Vec<_>) =
         solid.into_par_iter().map(part).collect::<Result<Vec<_>>>()?.into_iter().unzip();
     if let Some(grid) = coding.grid {

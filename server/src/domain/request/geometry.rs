@@ -80,6 +80,11 @@ pub enum Normals {
     #[default]
     Analytic,
     Geometric,
+    /// Analytic at vertices, and between them from a normal map of so many texels a side; none: as many as the detail's
+    /// largest map has.
+    Map {
+        size: Option<u32>,
+    },
 }
 
 /// How the values of a seam's sides become one.

@@ -14,7 +14,7 @@ use crate::{
         Digest, Error, Result, lods,
         request::{
             Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, MeasureRequest,
-            Method, RenderRequest,
+            Method, Normals, RenderRequest,
         },
     },
 };
@@ -96,6 +96,11 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
         let message =
             format!("{} levels are for the file that Displace writes, and an image is none: leave it 0", surface.lods);
         return Err(Error::invalid(join(path, "surface.lods"), message));
+    }
+    if matches!(surface.geometry.normals, Normals::Map { .. }) {
+        let message =
+            "a normal map is for the file that Displace writes: take analytic normals, which an image shows anyhow";
+        return Err(Error::invalid(join(path, "surface.geometry.normals"), message));
     }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = view::lighting(&join(path, "lighting"), request.lighting)?;

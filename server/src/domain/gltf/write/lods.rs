@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use super::{
     Shown, claims,
     document::{elements, index_of},
+    normal_maps::NormalMap,
 };
 use crate::domain::{grid::Grid, scene::Scene, surface::Surface};
 
@@ -30,6 +31,8 @@ pub struct Level {
     pub surface: Surface,
     /// Where its positions are quantised.
     pub grid: Option<Grid>,
+    /// Of each primitive; empty where none has any.
+    pub normal_maps: Vec<Option<NormalMap>>,
 }
 
 /// The first node of the file that has levels of its own.
@@ -64,6 +67,7 @@ pub(super) fn insert<'a>(document: &mut Value, scene: &'a Scene, chains: &'a [Ch
             mesh: &own.mesh,
             surface: &level.surface,
             grid: level.grid,
+            normal_maps: &level.normal_maps,
         }));
         insert_nodes(document, own.gltf_mesh, &meshes, &chain.coverages);
     }

@@ -1,3 +1,5 @@
+//! Levels of detail in a document: nodes, meshes, animations, scenes.
+
 use super::*;
 use crate::domain::scene::SceneMesh;
 
@@ -5,7 +7,7 @@ use crate::domain::scene::SceneMesh;
 fn inserted(mut document: Value) -> Value {
     document["meshes"] = json!([{ "name": "wall", "primitives": [{ "attributes": { "POSITION": 0 } }] }]);
     let scene = Scene { meshes: vec![SceneMesh::default()], ..Scene::default() };
-    let level = Level { surface: Surface::default(), grid: None };
+    let level = Level { surface: Surface::default(), grid: None, normal_maps: Vec::new() };
     let chain = Chain { mesh: 0, levels: vec![level; 2], coverages: vec![0.5, 0.1, 0.0] };
     let chains = [chain];
     let shown = insert(&mut document, &scene, &chains);
