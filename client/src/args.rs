@@ -132,6 +132,7 @@ Examples:
   displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-4 --quality high -o out.glb
   displace apply wall.glb --height bricks.png --scale 0.05 --compress meshopt -o out.glb
   displace apply wall.glb --height bricks.png --scale 0.05 --lods 4 -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-2 --normals map -o out.glb
   displace apply wall.glb --height bricks.png --tolerance-px 0.5 --view '0,1,3;0,0,0;40;1920x1080' -o out.glb
   displace apply ball.obj --expr '0.02*sin(20*pi*u)' --uniform 5 -o out.glb
   displace apply rock.gltf --direction dir.png --magnitude mag.png --scale 0.2 --uniform 6 -o out.glb

@@ -8,6 +8,7 @@ mod invariants;
 mod lists;
 mod lods;
 mod measure;
+mod normal_maps;
 mod oracle;
 mod oracle_image;
 mod oracle_rays;

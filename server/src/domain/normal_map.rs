@@ -29,7 +29,6 @@ pub const SIZES: std::ops::RangeInclusive<u32> = 4..=4096;
 pub const GUTTER_TEXELS: u32 = 8;
 /// Normals that two places want of one texel may be apart by so much: about what 8 bits and triangles take anyhow.
 pub const MOST_APART_DEGREES: f64 = 5.0;
-/// Of the texels that are covered: no map serves where more are wanted differently. Islands that touch, or overlap by a
-/// sliver, are
-/// let through.
+/// Of the texels that are covered: no map serves where more are wanted differently. Islands that touch in
+/// slivers are let through.
 pub const MOST_DISAGREEING: f64 = 1e-2;

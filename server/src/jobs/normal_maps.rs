@@ -2,7 +2,12 @@
 
 mod truth;
 
-use super::{WorkContext, inputs::Inputs};
+use rayon::prelude::*;
+
+use super::{
+    WorkContext,
+    inputs::{self, Inputs},
+};
 use crate::domain::{
     Error, Result,
     detail::Detail,
@@ -84,6 +89,25 @@ pub(super) fn make(
 ) -> Result<Made> {
     let Normals::Map { size } = geometry.normals else { return Ok(Made::default()) };
     let (own, details) = (&inputs.scene.meshes[mesh].mesh, &inputs.details[mesh]);
+    let progress = context.progress;
+    let works = inputs::timed(progress, "cover_texels", passes, || {
+        works(inputs, (mesh, surface), size, level, context.limits.host_bytes)
+    })?;
+    let places = works.iter().flat_map(Work::places);
+    let normals = truth::normals(context, geometry, (mesh, own), details, places.collect(), passes)?;
+    context.cancel.check()?;
+    inputs::timed(progress, "encode_texels", passes, || finished(&works, own, &normals, level))
+}
+
+/// One for each primitive that has a detail.
+fn works(
+    inputs: &Inputs,
+    (mesh, surface): (usize, &Surface),
+    size: Option<u32>,
+    level: u32,
+    host_bytes: u64,
+) -> Result<Vec<Work>> {
+    let (own, details) = (&inputs.scene.meshes[mesh].mesh, &inputs.details[mesh]);
     let mut works = Vec::new();
     for (primitive, detail) in details.iter().enumerate() {
         let Some(detail) = detail else { continue };
@@ -91,18 +115,19 @@ pub(super) fn make(
             continue;
         }
         let size = size_of(size, detail).map(|side| (side >> level).max(LEAST_OF_LEVELS.min(side)));
-        check_size(size, context.limits.host_bytes)?;
+        check_size(size, host_bytes)?;
         works.push(Work::new(own, surface, primitive, detail.uv_set, size)?);
     }
-    let places = works.iter().flat_map(Work::places);
-    let normals = truth::normals(context, geometry, (mesh, own), details, places.collect(), passes)?;
-    context.cancel.check()?;
-    let mut made = Made { maps: vec![None; details.len()], report: Vec::new() };
-    let mut rest = &normals[..];
-    for work in &works {
+    Ok(works)
+}
+
+fn finished(works: &[Work], mesh: &Mesh, normals: &[glam::DVec3], level: u32) -> Result<Made> {
+    let mut made = Made { maps: vec![None; mesh.primitives.len()], report: Vec::new() };
+    let mut rest = normals;
+    for work in works {
         let (of_work, others) = rest.split_at(work.claims.len() + work.samples.len());
         rest = others;
-        let (map, report) = work.finish(own, of_work)?;
+        let (map, report) = work.finish(mesh, of_work)?;
         made.maps[work.primitive] = Some(map);
         made.report.push(report::NormalMap { lod: level, ..report });
     }
@@ -144,12 +169,12 @@ impl Work {
 
     fn finish(&self, mesh: &Mesh, normals: &[glam::DVec3]) -> Result<(NormalMap, report::NormalMap)> {
         let (of_claims, of_samples) = normals.split_at(self.claims.len());
-        let inside = self.claims.iter().zip(of_claims).filter_map(|(claim, normal)| {
+        let inside = self.claims.par_iter().zip(of_claims).filter_map(|(claim, normal)| {
             let frame = self.sheet.frame(claim.triangle as usize, claim.barycentrics());
             let (direction, clamped) = frame.encode(*normal)?;
             Some((claim.texel, direction, clamped))
         });
-        let mut texels = Texels::of(self.size, inside);
+        let mut texels = Texels::of(self.size, inside.collect::<Vec<_>>().into_iter());
         self.check(mesh, &texels)?;
         texels.continue_islands();
         let rgb = texels.rgb();

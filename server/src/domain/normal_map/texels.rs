@@ -66,21 +66,14 @@ impl Texels {
 
     /// Continues islands by [`GUTTER_TEXELS`]: each texel beside them gets the mean of those it touches.
     pub fn continue_islands(&mut self) {
+        let (width, all) = (self.size[0] as usize, self.normals.len());
+        let mut empty: Vec<usize> =
+            (0..all).into_par_iter().filter(|texel| self.normals[*texel] == Vec3::ZERO).collect();
         for _ in 0..GUTTER_TEXELS {
-            let known = &self.normals;
-            let width = self.size[0] as usize;
-            let grown: Vec<Vec3> =
-                (0..known.len())
-                    .into_par_iter()
-                    .map(|texel| {
-                        if known[texel] == Vec3::ZERO {
-                            self.around(texel % width, texel / width)
-                        } else {
-                            known[texel]
-                        }
-                    })
-                    .collect();
-            self.normals = grown;
+            let grown = |texel: &usize| (*texel, self.around(texel % width, texel / width));
+            let grown: Vec<(usize, Vec3)> = empty.par_iter().map(grown).collect();
+            grown.iter().for_each(|(texel, normal)| self.normals[*texel] = *normal);
+            empty = grown.into_iter().filter(|(_, normal)| *normal == Vec3::ZERO).map(|(texel, _)| texel).collect();
         }
     }
 
@@ -99,11 +92,13 @@ impl Texels {
     /// RGB of 8 bits, 0 to 255 for -1 to 1; straight out where nothing is.
     #[must_use]
     pub fn rgb(&self) -> Vec<u8> {
-        let bytes = |normal: &Vec3| {
+        let byte = |x: f32| ((0.5 * x + 0.5) * 255.0 + 0.5) as u8;
+        let mut rgb = vec![0; 3 * self.normals.len()];
+        rgb.par_chunks_exact_mut(3).zip(&self.normals).for_each(|(rgb, normal)| {
             let normal = if *normal == Vec3::ZERO { Vec3::Z } else { *normal };
-            normal.to_array().map(|x| ((0.5 * x + 0.5) * 255.0).round() as u8)
-        };
-        self.normals.iter().flat_map(bytes).collect()
+            rgb.copy_from_slice(&normal.to_array().map(byte));
+        });
+        rgb
     }
 }
 

@@ -31,20 +31,29 @@ pub(super) fn normals(
     passes: &mut Vec<PassTime>,
 ) -> Result<Vec<DVec3>> {
     let plan = SurfacePlan::uniform(index, mesh, 0, geometry)?;
-    let keys: Vec<Key> = places.into_par_iter().map(key).collect::<Result<_>>()?;
-    let mut distinct = keys.clone();
-    distinct.par_sort_unstable();
-    distinct.dedup();
-    let mut found: Vec<[f32; 3]> = Vec::with_capacity(distinct.len());
-    for lot in distinct.chunks(LOT) {
-        let shape = shape(mesh, lot);
-        let (surface, times) = context.executor.finish(&context.job(), &plan, mesh, details, shape)?;
-        found.extend(&surface.normals[mesh.av_gv.len()..]);
+    let mut order: Vec<(Key, u32)> =
+        places.into_par_iter().enumerate().map(|(n, place)| Ok((key(place)?, n as u32))).collect::<Result<_>>()?;
+    order.par_sort_unstable();
+    let mut normals = vec![DVec3::ZERO; order.len()];
+    let mut rest = &order[..];
+    while !rest.is_empty() {
+        let (lot, distinct) = lot(rest);
+        let (surface, times) = context.executor.finish(&context.job(), &plan, mesh, details, shape(mesh, &distinct))?;
         inputs::add_times(passes, times);
+        let found = &surface.normals[mesh.av_gv.len()..];
+        for (same, normal) in lot.chunk_by(|a, b| a.0 == b.0).zip(found) {
+            same.iter().for_each(|(_, n)| normals[*n as usize] = Vec3::from(*normal).as_dvec3());
+        }
+        rest = &rest[lot.len()..];
     }
-    let of = |key: &Key| distinct.binary_search(key).map(|at| Vec3::from(found[at]).as_dvec3());
-    let missing = |_| Error::internal("a place that was asked for has no normal");
-    keys.par_iter().map(|key| of(key).map_err(missing)).collect()
+    Ok(normals)
+}
+
+/// The first of sorted places, all that are the same among them, and those that differ.
+fn lot(sorted: &[(Key, u32)]) -> (&[(Key, u32)], Vec<Key>) {
+    let groups = || sorted.chunk_by(|a, b| a.0 == b.0).take(LOT);
+    let distinct = groups().map(|same| same[0].0).collect();
+    (&sorted[..groups().map(<[_]>::len).sum()], distinct)
 }
 
 /// Base triangle, then the weights of its third and its second corner: the order of `Pieces`.
