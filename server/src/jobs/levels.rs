@@ -49,8 +49,10 @@ pub(super) fn make(
     let mut tally = Tally { bytes: inputs.plans.output_bytes(&inputs.scene), ..Tally::default() };
     let mut chains = Vec::new();
     for (mesh, surface) in surfaces.iter().enumerate() {
-        let (levels, lods) = maker.chain(mesh, surface, shown[mesh], &mut tally, passes)?;
-        chains.extend((levels.levels.first().is_some()).then_some(levels));
+        let (chain, lods) = maker.chain(mesh, surface, shown[mesh], &mut tally, passes)?;
+        if !chain.levels.is_empty() {
+            chains.push(chain);
+        }
         tally.lods.push(lods);
     }
     let report = summed(&tally.lods, request.lods);
