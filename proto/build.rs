@@ -4,9 +4,10 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 6] = [
+const PROTOS: [&str; 7] = [
     "displace/v1/common.proto",
     "displace/v1/tolerance.proto",
+    "displace/v1/geometry.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/displacement.proto",

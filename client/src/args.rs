@@ -131,6 +131,8 @@ Examples:
   displace apply wall.glb --height bricks.png --scale 0.05 -o out.glb          within 1/1000 of the diagonal
   displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-4 --quality high -o out.glb
   displace apply wall.glb --height bricks.png --scale 0.05 --compress meshopt -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --lods 4 -o out.glb
+  displace apply wall.glb --height bricks.png --scale 0.05 --tolerance 1e-2 --normals map -o out.glb
   displace apply wall.glb --height bricks.png --tolerance-px 0.5 --view '0,1,3;0,0,0;40;1920x1080' -o out.glb
   displace apply ball.obj --expr '0.02*sin(20*pi*u)' --uniform 5 -o out.glb
   displace apply rock.gltf --direction dir.png --magnitude mag.png --scale 0.2 --uniform 6 -o out.glb
@@ -156,6 +158,9 @@ pub(crate) struct ApplyArgs {
     /// How the GLB is packed; quantized positions are within half a step of 1/65535 of the mesh's longest side
     #[arg(long, value_enum, default_value = "none", help_heading = "Output")]
     pub(crate) compress: CompressArg,
+    /// Levels of detail, 1 to 8: each keeps 4 times the tolerance of the one before it (MSFT_lod)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8), default_value = "1", conflicts_with = "uniform", help_heading = "Output")]
+    pub(crate) lods: u32,
     /// Say triangles, bytes and time; compute nothing
     #[arg(long, help_heading = "Output")]
     pub(crate) dry_run: bool,

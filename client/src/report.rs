@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use displace_proto::v1::{EstimateResponse, Fit, Report, ToleranceUnit, Warning};
+use displace_proto::v1::{EstimateResponse, Fit, Lod, NormalMap, Report, ToleranceUnit, Warning};
 use serde_json::{Value, json};
 
 use crate::output::{bytes, count, duration_ms};
@@ -43,6 +43,12 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     if let Some(stretch) = &report.stretch {
         value["stretch"] = json!({ "p99": stretch.p99, "max": stretch.max });
     }
+    if !report.lods.is_empty() {
+        value["lods"] = report.lods.iter().map(lod_json).collect();
+    }
+    if !report.normal_maps.is_empty() {
+        value["normal_maps"] = report.normal_maps.iter().map(normal_map_json).collect();
+    }
     value["warnings"] = warnings_json(&report.warnings);
     value["passes"] =
         report.passes.iter().map(|pass| json!({ "name": pass.name, "ms": pass.ms, "bytes": pass.bytes })).collect();
@@ -54,6 +60,37 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     value["device"] = report.device.as_str().into();
     value["cached"] = report.cached.into();
     value
+}
+
+fn lod_json(lod: &Lod) -> Value {
+    json!({ "triangles": lod.triangles, "vertices": lod.vertices, "tolerance": lod.tolerance, "bound": lod.bound })
+}
+
+fn normal_map_json(map: &NormalMap) -> Value {
+    json!({
+        "mesh": map.mesh,
+        "primitive": map.primitive,
+        "lod": map.lod,
+        "width": map.width,
+        "height": map.height,
+        "coverage": map.coverage,
+        "clamped": map.clamped,
+        "angle_deg": { "p50": map.angle_p50_deg, "p99": map.angle_p99_deg },
+    })
+}
+
+fn normal_map_words(map: &NormalMap) -> String {
+    let (p50, p99) = (map.angle_p50_deg, map.angle_p99_deg);
+    format!(
+        "normal map of '{}' primitive {} level {}: {} x {}, {:.1} % covered, {} clamped, off by {p50:.2} degrees, 99 % at most {p99:.2}\n",
+        map.mesh,
+        map.primitive,
+        map.lod,
+        map.width,
+        map.height,
+        100.0 * map.coverage,
+        count(map.clamped)
+    )
 }
 
 /// A field that is not known is absent.
@@ -91,6 +128,11 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
         count(report.vertices)
     );
     text += &report.fit.as_ref().map(fit_words).unwrap_or_default();
+    for (level, lod) in report.lods.iter().enumerate() {
+        let (triangles, tolerance, bound) = (count(lod.triangles), lod.tolerance, lod.bound);
+        let _ = writeln!(text, "level {level}: {triangles} triangles, tolerance {tolerance:.3e}, bound {bound:.3e}");
+    }
+    text.extend(report.normal_maps.iter().map(normal_map_words));
     if let Some(seams) = &report.seams {
         let _ = writeln!(
             text,

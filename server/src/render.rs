@@ -19,7 +19,7 @@ use crate::domain::{
     mesh::Mesh,
     plan::{MAX_PAGES, PAGE_ELEMENTS, SurfacePlan},
     report::PassTime,
-    surface::Surface,
+    surface::{Shape, Surface},
 };
 use crate::vulkan as device;
 
@@ -71,6 +71,16 @@ pub trait Executor: Send + Sync {
         plan: &SurfacePlan,
         mesh: &Mesh,
         detail_of_primitive: &[Option<Arc<Detail>>],
+    ) -> Result<(Surface, Vec<PassTime>)>;
+
+    /// Gives a shape of a base mesh its normals and attributes. Levels of the plan do not matter.
+    fn finish(
+        &self,
+        job: &JobContext<'_>,
+        plan: &SurfacePlan,
+        mesh: &Mesh,
+        detail_of_primitive: &[Option<Arc<Detail>>],
+        shape: Shape,
     ) -> Result<(Surface, Vec<PassTime>)>;
 
     /// Whether `render` takes plans with rays.

@@ -31,7 +31,7 @@ use displace_server::{
         plan::SurfacePlan,
         report::{Estimate, PassTime, Report, Warning},
         request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest, SourceRequest},
-        surface::Surface,
+        surface::{Shape, Surface},
     },
     jobs::{AssetReader, JobLimits, Output, Recipes, StandardRecipes, Work, WorkContext, WorkOutput},
     render::{Executor, JobContext},
@@ -287,6 +287,17 @@ impl Executor for NoDevice {
         _: &SurfacePlan,
         _: &Mesh,
         _: &[Option<Arc<Detail>>],
+    ) -> Result<(Surface, Vec<PassTime>)> {
+        Err(Error::internal("no device"))
+    }
+
+    fn finish(
+        &self,
+        _: &JobContext<'_>,
+        _: &SurfacePlan,
+        _: &Mesh,
+        _: &[Option<Arc<Detail>>],
+        _: Shape,
     ) -> Result<(Surface, Vec<PassTime>)> {
         Err(Error::internal("no device"))
     }

@@ -3,9 +3,10 @@
     corpus.py --displace BIN --corpus DIR --height MAP [--out DIR] [--only TEXT]
 
 Each model the corpus accepts goes through `apply --expr`, `apply --height` where it has UVs, and
-`render`. The first is done again with `--compress quantize` and `--compress meshopt`. Each GLB that comes
+`render`. The first is done again with `--compress quantize` and `--compress meshopt`; the second, of
+small models, within a tolerance with levels of detail and normal maps, refused where places share texels. Each GLB that comes
 out must pass gltf-validator with no error and load in three.js and trimesh with the same number of
-triangles; compressed, in three.js in the same box. trimesh reads no meshopt. Each model the corpus rejects must be refused with exit code 2 and a
+triangles; compressed, in three.js in the same box. trimesh reads no meshopt, and shows lower levels too. Each model the corpus rejects must be refused with exit code 2 and a
 sentence. Prints a Markdown table; exits 1 when a row is bad. Needs `npm ci` in this folder, and the
 packages of requirements.txt in the Python that runs it.
 """
@@ -25,6 +26,11 @@ HERE = Path(__file__).resolve().parent
 TIMEOUT_SECS = 120
 EXPRESSION = "0.5*sin(20*pi*x)"
 COMPRESSED = ("quantize", "meshopt")
+# The device that needs no start: neither how a file is packed nor what else is in it is its business.
+LEVELS = ["--scale", "0.01", "--tolerance", "0.01", "--lods", "3", "--normals", "map", "--normal-map-size", "64", "--device", "reference"]
+# A tolerance takes minutes on larger ones.
+MOST_CORNERS = 9000
+NOT_FOR_TRIMESH = ("meshopt", "lods")
 # Of the diagonal, what 16 bits may move the sides of a box and more.
 BOX_TOLERANCE = 1e-4
 
@@ -92,6 +98,14 @@ def expect_success(row: Row, name: str, command: list[str], glb: Path | None = N
         row.glbs.append(glb)
 
 
+def expect_either(row: Row, name: str, command: list[str], glb: Path, naming: str) -> None:
+    done = run(row, name, command)
+    if done is not None and done.returncode == 0:
+        row.glbs.append(glb)
+    elif done is not None and (done.returncode != 2 or naming not in done.stderr):
+        row.notes.append(f"{name}: exit {done.returncode}: {last_line(done)}")
+
+
 def expect_refusal(row: Row, name: str, command: list[str], naming: str = "") -> None:
     done = run(row, name, command)
     if done is None:
@@ -121,13 +135,17 @@ def check_model(options, row: Row, path: Path, stem: str) -> None:
     expect_success(row, "expr", expr, out / f"{stem}.expr.glb")
     for kind in COMPRESSED:
         packed = out / f"{stem}.{kind}.glb"
-        # The device that needs no start: how a file is packed is not its business.
         expect_success(row, kind, [*expr[:-1], str(packed), "--compress", kind, "--device", "reference"], packed)
-    primitives = triangle_primitives(document(path))
+    gltf = document(path)
+    primitives, accessors = triangle_primitives(gltf), gltf.get("accessors", [])
     with_uv = [p for p in primitives if "TEXCOORD_0" in p["attributes"]]
-    height = [displace, "apply", str(path), "--height", str(options.height), "--scale", "0.1", "--uniform", "2", "-o", str(out / f"{stem}.height.glb")]
+    by_map = [displace, "apply", str(path), "--height", str(options.height)]
+    height = [*by_map, "--scale", "0.1", "--uniform", "2", "-o", str(out / f"{stem}.height.glb")]
     if primitives and len(with_uv) == len(primitives):
         expect_success(row, "height", height, out / f"{stem}.height.glb")
+        if sum(accessors[p.get("indices", p["attributes"]["POSITION"])]["count"] for p in primitives) <= MOST_CORNERS:
+            lods = out / f"{stem}.lods.glb"
+            expect_either(row, "lods", [*by_map, *LEVELS, "-o", str(lods)], lods, "geometry.normals")
     elif primitives:
         expect_refusal(row, "height", height, "TEXCOORD_0")
     expect_success(row, "render", [displace, "render", str(path), *detail, "--size", "160x120", "-o", str(out / f"{stem}.png")])
@@ -143,7 +161,7 @@ def read_back(command: list[str], files: list[Path]) -> dict[str, dict]:
 def check_results(rows: list[Row]) -> None:
     files = [glb for row in rows for glb in row.glbs]
     # A sound file may hold no mesh at all; trimesh loads meshes only.
-    with_meshes = [glb for glb in files if document(glb).get("meshes") and kind_of(glb) != "meshopt"]
+    with_meshes = [glb for glb in files if document(glb).get("meshes") and kind_of(glb) not in NOT_FOR_TRIMESH]
     validator = read_back(["node", "validate.mjs"], files)
     three = read_back(["node", "load_three.mjs"], files)
     trimesh = read_back([sys.executable, "load_trimesh.py"], with_meshes)
@@ -151,7 +169,7 @@ def check_results(rows: list[Row]) -> None:
         for glb in row.glbs:
             plain = three[str(glb.with_suffix("").with_suffix(".expr.glb"))] if kind_of(glb) in COMPRESSED else None
             # What trimesh does not read, three.js alone counts.
-            counted = trimesh.get(str(glb), three[str(glb)] if kind_of(glb) == "meshopt" else {"triangles": 0})
+            counted = trimesh.get(str(glb), three[str(glb)] if kind_of(glb) in NOT_FOR_TRIMESH else {"triangles": 0})
             judge(row, glb, validator[str(glb)], three[str(glb)], counted)
             if plain and "box" in plain:
                 judge_box(row, kind_of(glb), plain["box"], three[str(glb)].get("box"))
@@ -181,10 +199,10 @@ def judge(row: Row, glb: Path, validator: dict, three: dict, trimesh: dict) -> N
 
 
 def print_table(rows: list[Row]) -> None:
-    print("| model | expect | exit (expr, quantize, meshopt, height, render) | validator errors | three.js triangles | trimesh triangles | verdict |")
+    print("| model | expect | exit (expr, quantize, meshopt, height, lods, render) | validator errors | three.js triangles | trimesh triangles | verdict |")
     print("|---|---|---|---|---|---|---|")
     for row in rows:
-        exits = ", ".join(str(row.exits.get(name, "-")) for name in ("expr", *COMPRESSED, "height", "render"))
+        exits = ", ".join(str(row.exits.get(name, "-")) for name in ("expr", *COMPRESSED, "height", "lods", "render"))
         verdict = "; ".join(row.notes).replace("|", "\\|") or "ok"
         print(f"| {row.model} | {row.expect} | {exits} | {row.errors} | {row.three} | {row.trimesh} | {verdict} |")
 

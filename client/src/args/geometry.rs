@@ -31,9 +31,12 @@ pub(crate) struct GeometryArgs {
     /// Most triangles: a --uniform above it is refused, a tolerance gets as near as they allow
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_triangles: Option<u64>,
-    /// Normals of the displaced surface: from derivatives, or from the triangles
+    /// Normals of the displaced surface: from derivatives, from the triangles, or between vertices from a map [apply]
     #[arg(long, value_enum, default_value = "analytic")]
     pub(crate) normals: NormalsArg,
+    /// Texels of a side of that map, 4 to 4096 [default: those of the largest map, or 1024]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
+    pub(crate) normal_map_size: Option<u32>,
     /// How the sides of a seam become one
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) seams: SeamsArg,
@@ -80,6 +83,7 @@ pub(crate) enum NormalsArg {
     #[default]
     Analytic,
     Geometric,
+    Map,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

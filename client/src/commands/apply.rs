@@ -51,8 +51,8 @@ fn surface(args: &ApplyArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
     let method = options::method(args.method, &groups, MethodArg::Displacement);
     let geometry = args.geometry.clone().or_tolerance();
-    let (mesh, look, compress) = (args.mesh.clone(), args.look.clone(), args.compress);
-    Ok(Surface { mesh, groups, geometry, look, method, compress })
+    let (mesh, look, compress, lods) = (args.mesh.clone(), args.look.clone(), args.compress, args.lods);
+    Ok(Surface { mesh, groups, geometry, look, method, compress, lods })
 }
 
 /// Estimate reads the assets, so they are uploaded; nothing is computed.

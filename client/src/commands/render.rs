@@ -65,7 +65,7 @@ fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
         options::require_refinement(&args.geometry, method)?;
     }
     let (mesh, geometry, look) = (args.mesh.clone(), args.geometry.clone(), args.look.clone());
-    Ok(Surface { mesh, groups, geometry, look, method, compress: CompressArg::None })
+    Ok(Surface { mesh, groups, geometry, look, method, compress: CompressArg::None, lods: 1 })
 }
 
 fn format(path: &Path) -> Result<ImageFormat> {

@@ -25,6 +25,7 @@ pub(super) struct Surface {
     pub(super) look: LookArgs,
     pub(super) method: MethodArg,
     pub(super) compress: CompressArg,
+    pub(super) lods: u32,
 }
 
 /// What a job left behind.
@@ -66,6 +67,7 @@ impl Surface {
             fresh,
             linger_secs: None,
             compression: request::compression(self.compress).into(),
+            lods: self.lods,
         };
         Ok((message, parcel))
     }

@@ -11,10 +11,12 @@ pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
         normals: match args.normals {
             NormalsArg::Analytic => v1::Normals::Analytic,
             NormalsArg::Geometric => v1::Normals::Geometric,
+            NormalsArg::Map => v1::Normals::Map,
         }
         .into(),
         seams: seams(args.seams).into(),
         feather_texels: Some(args.feather),
+        normal_map_size: args.normal_map_size.unwrap_or(0),
     }
 }
 

@@ -40,6 +40,17 @@ pub enum LayerSource {
     Expression(Arc<Program>),
 }
 
+impl LayerSource {
+    /// Texels along u and along v; none of what has no map.
+    #[must_use]
+    pub fn size(&self) -> Option<[u32; 2]> {
+        match self {
+            Self::Height(map) | Self::VectorTangent(map) | Self::VectorObject(map) => Some([map.width, map.height]),
+            Self::Expression(_) => None,
+        }
+    }
+}
+
 /// A decoded map: f32, row-major, `channels` (1 or 3) interleaved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {

@@ -84,6 +84,11 @@ pub fn encode_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, true, &[], rgb)
 }
 
+/// An image of interleaved 8-bit RGB that is not colour, as PNG.
+pub fn encode_linear_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
+    Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, false, &[], rgb)
+}
+
 fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
     let png = Png { width: images.width, height: images.height };
     let mut files = vec![("color", png.color(&images.color)?)];

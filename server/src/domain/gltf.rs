@@ -33,7 +33,10 @@ use super::{
 pub use displacement::forget_displacement;
 use json::At;
 use source::Source;
-pub use write::{Packing, Painted, Written, obstacles, write, write_painted};
+pub use write::{
+    Chain, Contents, Level, NormalMap, Packing, Painted, Written, node_with_lods, obstacles, sheet, shown_by_nodes,
+    write, write_contents, write_painted,
+};
 
 /// External files by the URI the document uses.
 pub type Resources<'a> = dyn Fn(&str) -> Option<Bytes> + 'a;

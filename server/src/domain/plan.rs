@@ -161,7 +161,7 @@ fn device_bytes(mesh: &Mesh, vertices: u64, triangles: u64) -> u64 {
 impl From<Normals> for NormalsPlan {
     fn from(normals: Normals) -> Self {
         match normals {
-            Normals::Analytic => Self::Analytic,
+            Normals::Analytic | Normals::Map { .. } => Self::Analytic,
             Normals::Geometric => Self::Geometric,
         }
     }

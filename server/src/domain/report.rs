@@ -26,6 +26,12 @@ pub struct Report {
     pub measurement: Option<Measurement>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stretch: Option<Stretch>,
+    /// Level 0 first; none where no levels were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lods: Vec<Lod>,
+    /// Those made for the result.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub normal_maps: Vec<NormalMap>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,
@@ -90,6 +96,35 @@ pub struct Comparison {
     /// is covered in both.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hit_error_px: Option<f64>,
+}
+
+/// One level of detail; lengths are in the unit of `Fitted`. A mesh whose chain ended earlier counts with its last level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Lod {
+    pub triangles: u64,
+    pub vertices: u64,
+    /// What it keeps; of several meshes the worst.
+    pub tolerance: f64,
+    /// No place is farther from the surface.
+    pub bound: f64,
+}
+
+/// A normal map that carries what the triangles of a primitive leave out of the surface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NormalMap {
+    pub mesh: String,
+    pub primitive: u32,
+    /// Level of detail.
+    pub lod: u32,
+    /// Texels along u and along v.
+    pub size: [u32; 2],
+    /// Share of the texels that the primitive covers.
+    pub coverage: f64,
+    /// Texels whose normal points into the triangle that has them, which a map cannot hold: they lie in it.
+    pub clamped: u64,
+    /// Angles between the surface's normals and those that a reader of the map sees, at places spread evenly.
+    pub angle_p50_deg: f64,
+    pub angle_p99_deg: f64,
 }
 
 /// How much the displacement stretches the base: the largest factor by which it lengthens any direction on a

@@ -45,6 +45,8 @@ pub struct DisplaceRequest {
     /// Replaces the base colour map of every material, in images and in the result.
     pub base_color: Option<Digest>,
     pub compression: Compression,
+    /// Levels of detail: 1, the result alone, to [`lods::MOST`](super::lods::MOST).
+    pub lods: u32,
 }
 
 /// How the GLB is packed.

@@ -1,17 +1,18 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, packing, seams,
-    strain, work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, levels, normal_maps,
+    packing, seams, strain, work::canonical,
 };
 use crate::{
     domain::{
         Digest, Result,
         cancel::{Cancel, NoProgress},
         describe::{self, Description},
-        gltf,
-        report::{Estimate, Report},
+        gltf::{self, Contents, NormalMap},
+        report::{Estimate, PassTime, Report},
         request::DisplaceRequest,
+        surface::Surface,
     },
     render::JobContext,
 };
@@ -49,11 +50,16 @@ impl Work for DisplaceWork {
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
             Ok(packing)
         })?;
+        let normal_maps = self.normal_maps(context, &inputs, &surfaces, &mut report, &mut passes)?;
+        let levels = levels::make(context, &mut inputs, &surfaces, &self.request, &mut passes)?;
+        report.lods = levels.report;
+        report.normal_maps.extend(levels.normal_maps);
         context.cancel.check()?;
         let displaced = inputs.displaced_materials();
         gltf::forget_displacement(&mut inputs.scene, &displaced);
         let written = inputs::timed(context.progress, "write_glb", &mut passes, || {
-            gltf::write(&inputs.scene, &surfaces, &packing)
+            let (packing, chains, normal_maps) = (&packing, &levels.chains[..], &normal_maps[..]);
+            gltf::write_contents(&inputs.scene, &Contents { surfaces: &surfaces, packing, chains, normal_maps })
         })?;
         report.warnings = inputs.scene.warnings;
         report.warnings.extend(written.warnings);
@@ -65,6 +71,24 @@ impl Work for DisplaceWork {
 }
 
 impl DisplaceWork {
+    /// Of each mesh, of each of its primitives.
+    fn normal_maps(
+        &self,
+        context: &WorkContext<'_>,
+        inputs: &Inputs,
+        surfaces: &[Surface],
+        report: &mut Report,
+        passes: &mut Vec<PassTime>,
+    ) -> Result<Vec<Vec<Option<NormalMap>>>> {
+        let mut maps = Vec::with_capacity(surfaces.len());
+        for one in surfaces.iter().enumerate() {
+            let made = normal_maps::make(context, inputs, &self.request.geometry, one, 0, passes)?;
+            report.normal_maps.extend(made.report);
+            maps.push(made.maps);
+        }
+        Ok(maps)
+    }
+
     fn report(&self, context: &WorkContext<'_>, inputs: &Inputs) -> Report {
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..Report::default() };

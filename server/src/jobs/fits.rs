@@ -31,6 +31,12 @@ pub(super) fn describe(
     scene.warnings.extend(warnings);
 }
 
+/// The tolerance that a surface keeps, and its bound, in the unit of the request; none where no tolerance decided.
+pub(super) fn kept(plan: &SurfacePlan, surface: &Surface) -> Option<(f64, f64)> {
+    let (TessellationPlan::Tolerance(plan), Some(fit)) = (&plan.tessellation, surface.fit) else { return None };
+    Some((fit.tolerance_local * plan.unit_per_local, fit.bound_local * plan.unit_per_local))
+}
+
 fn part<'a>(scene: &'a Scene, plan: &'a SurfacePlan, surface: &Surface) -> Option<Part<'a>> {
     let TessellationPlan::Tolerance(tolerance) = &plan.tessellation else { return None };
     Some(Part { name: &scene.meshes[plan.mesh].mesh.name, plan: tolerance, fit: surface.fit? })

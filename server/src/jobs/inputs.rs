@@ -21,7 +21,7 @@ use crate::{
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, cautions, plans::Plans},
+    jobs::{AssetReader, JobLimits, WorkContext, cautions, levels, normal_maps, plans::Plans},
     render::JobContext,
 };
 
@@ -46,6 +46,7 @@ impl Inputs {
         let mut passes = Vec::new();
         let mut scene =
             timed(job.progress, "read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
+        levels::check(&scene, request.lods)?;
         if let Some(digest) = &request.base_color {
             look::replace_base_color(&mut scene, assets.read(digest)?)?;
         }
@@ -59,7 +60,9 @@ impl Inputs {
             plans.keep_back(&scene, &details);
         }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
-        Ok(Self { scene, plans, details, triangles_in, passes })
+        let mut inputs = Self { scene, plans, details, triangles_in, passes };
+        normal_maps::check(&mut inputs, &request.geometry)?;
+        Ok(inputs)
     }
 
     /// Displaces every base mesh, one after the other.

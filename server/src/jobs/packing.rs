@@ -37,6 +37,12 @@ pub(super) fn choose(
     packing
 }
 
+/// The grid of a surface of which nothing but its tolerance may keep it from being quantised.
+pub(super) fn grid(plan: &SurfacePlan, surface: &mut Surface) -> Option<Grid> {
+    let grid = Grid::around(&surface.positions);
+    too_coarse(grid, plan, surface).is_none().then_some(grid)
+}
+
 /// Why not, where a tolerance does not bear the error of the grid; else its fit is that of the moved vertices.
 fn too_coarse(grid: Grid, plan: &SurfacePlan, surface: &mut Surface) -> Option<String> {
     let (TessellationPlan::Tolerance(tolerance), Some(fit)) = (&plan.tessellation, surface.fit) else { return None };

@@ -69,10 +69,8 @@ impl Plans {
     pub(super) fn keep_back(&mut self, scene: &Scene, details: &[Vec<Option<Arc<Detail>>>]) {
         let free = gltf::obstacles(scene).into_iter().map(|obstacle| obstacle.is_none());
         for ((plan, free), (m, details)) in self.each.iter_mut().zip(free).zip(scene.meshes.iter().zip(details)) {
-            if let (true, TessellationPlan::Tolerance(tolerance)) = (free, &mut plan.tessellation) {
-                let reach = details.iter().flatten().map(|detail| detail.reach(&m.mesh)).fold(0.0, f64::max);
-                // Without a bound it is seen afterwards whether the grid is fine enough.
-                tolerance.keep_back(&m.mesh, if reach.is_finite() { reach } else { 0.0 });
+            if free {
+                keep_back(plan, &m.mesh, details);
             }
         }
     }
@@ -160,6 +158,14 @@ impl Plans {
     }
 }
 
+/// Keeps back what quantising will take of a tolerance.
+pub(super) fn keep_back(plan: &mut SurfacePlan, mesh: &Mesh, details: &[Option<Arc<Detail>>]) {
+    let TessellationPlan::Tolerance(tolerance) = &mut plan.tessellation else { return };
+    let reach = details.iter().flatten().map(|detail| detail.reach(mesh)).fold(0.0, f64::max);
+    // Without a bound it is seen afterwards whether the grid is fine enough.
+    tolerance.keep_back(mesh, if reach.is_finite() { reach } else { 0.0 });
+}
+
 /// A tolerance takes as much at least to work on the base alone.
 fn device_bytes(plan: &SurfacePlan) -> u64 {
     match &plan.tessellation {
@@ -168,7 +174,7 @@ fn device_bytes(plan: &SurfacePlan) -> u64 {
     }
 }
 
-fn output_bytes(mesh: &Mesh, vertices: u64, triangles: u64) -> u64 {
+pub(super) fn output_bytes(mesh: &Mesh, vertices: u64, triangles: u64) -> u64 {
     let components: u64 = mesh.attributes.iter().map(|a| a.components as u64).sum();
     vertices * (24 + 4 * components) + triangles * 12
 }

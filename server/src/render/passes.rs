@@ -38,7 +38,7 @@ use crate::{
         mesh::Mesh,
         plan::{NormalsPlan, SurfacePlan, TessellationPlan},
         report,
-        surface::{Layout, Surface},
+        surface::{Layout, Shape, Surface},
     },
     vulkan::{Device, PassTime, Recorder},
 };
@@ -67,6 +67,22 @@ pub fn displace(
             tessellation.finished(mesh, |shape| pieces::finish(device, recorder, plan, &tables, &base, mesh, shape))
         }
     }
+}
+
+/// Gives a shape of a base mesh its normals and attributes.
+pub fn finish(
+    device: &Arc<Device>,
+    job: &JobContext<'_>,
+    plan: &SurfacePlan,
+    mesh: &Mesh,
+    details: &[Option<Arc<Detail>>],
+    shape: Shape,
+) -> Result<(Surface, Vec<report::PassTime>)> {
+    let tables = tables::build(plan, mesh, details)?;
+    let base = BaseStreams::new(device, &tables)?;
+    let recorder = device.recorder(job.cancel, job.progress);
+    let (surface, times) = pieces::finish(device, recorder, plan, &tables, &base, mesh, shape)?;
+    Ok((surface, times.into_iter().map(report::PassTime::from).collect()))
 }
 
 fn displace_uniformly(

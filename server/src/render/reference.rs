@@ -35,7 +35,7 @@ use crate::domain::{
     mesh::Mesh,
     plan::{NormalsPlan, SurfacePlan, TessellationPlan},
     report::PassTime,
-    surface::{Layout, Surface},
+    surface::{Layout, Shape, Surface},
 };
 
 /// The device called `reference`.
@@ -68,6 +68,18 @@ impl Executor for ReferenceExecutor {
             TessellationPlan::Tolerance(tolerance) => tessellate(job, tolerance, &tables, mesh)?
                 .finished(mesh, |shape| pieces::finish(job, plan, &tables, mesh, shape)),
         }
+    }
+
+    fn finish(
+        &self,
+        job: &JobContext<'_>,
+        plan: &SurfacePlan,
+        mesh: &Mesh,
+        detail_of_primitive: &[Option<Arc<Detail>>],
+        shape: Shape,
+    ) -> Result<(Surface, Vec<PassTime>)> {
+        let tables = passes::tables::build(plan, mesh, detail_of_primitive)?;
+        pieces::finish(job, plan, &tables, mesh, shape)
     }
 
     fn traces_rays(&self) -> bool {

@@ -13,7 +13,7 @@ use crate::{
         mesh::Mesh,
         plan::SurfacePlan,
         report::PassTime,
-        surface::Surface,
+        surface::{Shape, Surface},
     },
     vulkan::{Device, DeviceOptions},
 };
@@ -81,6 +81,17 @@ impl Executor for VulkanExecutor {
         detail_of_primitive: &[Option<Arc<Detail>>],
     ) -> Result<(Surface, Vec<PassTime>)> {
         passes::displace(&self.device, job, plan, mesh, detail_of_primitive)
+    }
+
+    fn finish(
+        &self,
+        job: &JobContext<'_>,
+        plan: &SurfacePlan,
+        mesh: &Mesh,
+        detail_of_primitive: &[Option<Arc<Detail>>],
+        shape: Shape,
+    ) -> Result<(Surface, Vec<PassTime>)> {
+        passes::finish(&self.device, job, plan, mesh, detail_of_primitive, shape)
     }
 
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {

@@ -68,6 +68,7 @@ fn one_thing_alone_says_how_fine_the_result_is() {
     conflict("--tolerance-px 1 --view 0,1,3;0,0,0;40;64x48 --uniform 1", "--tolerance-px", "--uniform");
     conflict("--uniform 1 --quality high", "--uniform", "--quality");
     conflict("--uniform 1 --error-at texels", "--uniform", "--error-at");
+    conflict("--uniform 1 --lods 2", "--uniform", "--lods");
     refused("render MESH -o o.png --exact --tolerance 1e-3", "--exact", &["cannot be used with", "--tolerance"]);
     refused("apply MESH -o o.glb --tolerance-px 1", "--view", &["--view"]);
     refused("apply MESH -o o.glb --view 0,1,3;0,0,0;40;64x48", "--tolerance-px", &["--tolerance-px"]);
@@ -94,7 +95,7 @@ fn files_that_are_not_there_are_named() {
 
 #[test]
 fn flags_of_later_versions_do_not_exist() {
-    for flag in ["--base", "--lods", "--normal", "--steps", "--supersample", "--flip-green"] {
+    for flag in ["--base", "--normal", "--steps", "--supersample", "--flip-green"] {
         let run = displace(&["apply", "m.glb", "-o", "o.glb", flag, "1"]);
         assert_eq!(run.code, Some(2), "{flag}");
         assert!(run.stderr.contains("unexpected argument"), "{flag}: {}", run.stderr);

@@ -245,9 +245,31 @@ async fn how_a_file_is_packed_is_part_of_the_key_and_images_have_no_such_thing()
     }
     let surface = Some(v1::DisplaceRequest { compression: Quantize.into(), ..request });
     let image = v1::RenderRequest { surface, views: vec![v1::View::default()], ..v1::RenderRequest::default() };
-    let status = harness.jobs().render(image).await.unwrap_err();
-    let bad = status.get_details_bad_request().unwrap();
-    assert_eq!(bad.field_violations[0].field, "surface.compression");
+    refused(harness.jobs().render(image).await, "surface.compression");
+}
+
+fn refused<T>(answer: Result<tonic::Response<T>, tonic::Status>, field: &str) {
+    let bad = answer.err().expect("it is refused").get_details_bad_request().unwrap();
+    assert_eq!(bad.field_violations[0].field, field);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn levels_of_detail_are_part_of_the_key_and_need_a_tolerance_and_a_file() {
+    let harness = Harness::start().await;
+    let mut request = harness.request("ok").await;
+    refused(harness.jobs().displace(v1::DisplaceRequest { lods: 2, ..request.clone() }).await, "lods");
+    let allowed = Some(v1::tolerance::Allowed::Diagonal(1e-3));
+    let tolerance = v1::Tolerance { allowed, ..v1::Tolerance::default() };
+    request.geometry.as_mut().unwrap().refinement = Some(v1::geometry::Refinement::Tolerance(tolerance));
+    for (lods, runs) in [(1, 1), (2, 2), (3, 3), (0, 3)] {
+        super::result(&super::updates(&mut harness.jobs(), v1::DisplaceRequest { lods, ..request.clone() }).await);
+        assert_eq!(harness.runs(), runs, "{lods}");
+    }
+    let many = v1::DisplaceRequest { lods: 9, ..request.clone() };
+    refused(harness.jobs().displace(many).await, "lods");
+    let surface = Some(v1::DisplaceRequest { lods: 2, ..request });
+    let image = v1::RenderRequest { surface, views: vec![v1::View::default()], ..v1::RenderRequest::default() };
+    refused(harness.jobs().render(image).await, "surface.lods");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -80,6 +80,11 @@ pub enum Normals {
     #[default]
     Analytic,
     Geometric,
+    /// Analytic at vertices, and between them from a normal map of so many texels a side; none: as many as the detail's
+    /// largest map has.
+    Map {
+        size: Option<u32>,
+    },
 }
 
 /// How the values of a seam's sides become one.
@@ -113,6 +118,16 @@ impl Allowed {
     pub fn value(&self) -> f64 {
         match self {
             Self::Diagonal(value) | Self::World(value) | Self::Pixels { tolerance_px: value, .. } => *value,
+        }
+    }
+
+    /// The same kind with another number.
+    #[must_use]
+    pub fn with_value(&self, value: f64) -> Self {
+        match self {
+            Self::Diagonal(_) => Self::Diagonal(value),
+            Self::World(_) => Self::World(value),
+            Self::Pixels { views, .. } => Self::Pixels { tolerance_px: value, views: views.clone() },
         }
     }
 

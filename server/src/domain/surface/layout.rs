@@ -75,6 +75,15 @@ impl Layout {
         self.triangle_entries(&primitive.triangles)
     }
 
+    /// The base triangle of a fine triangle.
+    #[must_use]
+    pub fn base_of(&self, triangle: usize) -> u32 {
+        match self {
+            Self::Uniform { level } => (triangle >> (2 * level)) as u32,
+            Self::Pieces(pieces) => pieces.base_of(triangle) as u32,
+        }
+    }
+
     /// What is wrong with the lists, if anything; all else about a layout may be asked only where nothing is.
     #[must_use]
     pub fn fault(&self, mesh: &Mesh) -> Option<String> {

@@ -5,6 +5,7 @@ use displace_proto::v1::{self, geometry};
 use super::{join, known, tolerance, within};
 use crate::domain::{
     Error, Result,
+    normal_map::SIZES,
     plan::MAX_LEVEL,
     request::{Geometry, Normals, Refinement, SeamRule},
 };
@@ -19,15 +20,32 @@ pub(super) fn parse(path: &str, geometry: Option<v1::Geometry>) -> Result<Geomet
     Ok(Geometry {
         refinement: refinement(path, geometry.refinement.as_ref())?,
         max_triangles: max_triangles(&join(path, "max_triangles"), geometry.max_triangles)?,
-        normals: match known(&join(path, "normals"), geometry.normals)? {
-            v1::Normals::Unspecified | v1::Normals::Analytic => Normals::Analytic,
-            v1::Normals::Geometric => Normals::Geometric,
-        },
+        normals: normals(path, &geometry)?,
         seams: match known(&join(path, "seams"), geometry.seams)? {
             v1::SeamRule::Unspecified | v1::SeamRule::Mean => SeamRule::Mean,
             v1::SeamRule::Dominant => SeamRule::Dominant,
         },
         feather_texels: within(&join(path, "feather_texels"), feather, 0.0, MAX_FEATHER_TEXELS)?,
+    })
+}
+
+fn normals(path: &str, geometry: &v1::Geometry) -> Result<Normals> {
+    let (field, size) = (join(path, "normal_map_size"), geometry.normal_map_size);
+    let kind = known(&join(path, "normals"), geometry.normals)?;
+    if size != 0 && kind != v1::Normals::Map {
+        return Err(Error::invalid(field, format!("is {size}, and no normal map is asked for: leave it 0")));
+    }
+    if size != 0 && !SIZES.contains(&size) {
+        let (least, most) = SIZES.into_inner();
+        return Err(Error::invalid(
+            field,
+            format!("{size} is out of range; allowed are {least} to {most} texels a side"),
+        ));
+    }
+    Ok(match kind {
+        v1::Normals::Unspecified | v1::Normals::Analytic => Normals::Analytic,
+        v1::Normals::Geometric => Normals::Geometric,
+        v1::Normals::Map => Normals::Map { size: (size != 0).then_some(size) },
     })
 }
 

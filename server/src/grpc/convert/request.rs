@@ -11,10 +11,10 @@ use super::{
 use crate::{
     config::Config,
     domain::{
-        Digest, Error, Result,
+        Digest, Error, Result, lods,
         request::{
-            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, ImageFormat, MeasureRequest, Method,
-            RenderRequest,
+            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, MeasureRequest,
+            Method, Normals, RenderRequest,
         },
     },
 };
@@ -59,7 +59,22 @@ fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> 
     let base_color_field = join(path, "look.base_color");
     let base_color = base_color.map(|asset| digest(&base_color_field, Some(&asset))).transpose()?;
     let compression = compression(&join(path, "compression"), request.compression)?;
-    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, compression })
+    let lods = lods(&join(path, "lods"), request.lods, &geometry)?;
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, compression, lods })
+}
+
+fn lods(field: &str, levels: u32, geometry: &Geometry) -> Result<u32> {
+    if levels > lods::MOST {
+        let message = format!("{levels} is out of range; allowed are 0 to {} levels of detail", lods::MOST);
+        return Err(Error::invalid(field, message));
+    }
+    if levels > 1 && geometry.tolerance().is_none() {
+        let message = format!(
+            "{levels} levels of detail need a tolerance: without one, nothing tells from how far each is near enough; give a tolerance, or leave lods out"
+        );
+        return Err(Error::invalid(field, message));
+    }
+    Ok(levels.max(1))
 }
 
 fn compression(field: &str, compression: i32) -> Result<Compression> {
@@ -76,6 +91,16 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     if surface.compression != Compression::None {
         let message = "packs the file that Displace writes, and an image is none: leave it unspecified";
         return Err(Error::invalid(join(path, "surface.compression"), message));
+    }
+    if surface.lods > 1 {
+        let message =
+            format!("{} levels are for the file that Displace writes, and an image is none: leave it 0", surface.lods);
+        return Err(Error::invalid(join(path, "surface.lods"), message));
+    }
+    if matches!(surface.geometry.normals, Normals::Map { .. }) {
+        let message =
+            "a normal map is for the file that Displace writes: take analytic normals, which an image shows anyhow";
+        return Err(Error::invalid(join(path, "surface.geometry.normals"), message));
     }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = view::lighting(&join(path, "lighting"), request.lighting)?;

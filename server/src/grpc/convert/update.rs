@@ -4,7 +4,7 @@ use displace_proto::v1::{self, job_update::Update};
 
 use super::{measurement::to_measurement, to_digest};
 use crate::{
-    domain::report::{Comparison, Estimate, Fitted, PassTime, Report, ToleranceUnit, Warning},
+    domain::report::{Comparison, Estimate, Fitted, Lod, NormalMap, PassTime, Report, ToleranceUnit, Warning},
     grpc::status::rpc_status,
     jobs::{Finished, JobEvent},
 };
@@ -66,6 +66,8 @@ fn to_report(report: &Report) -> v1::Report {
         comparison: report.comparison.as_ref().map(to_comparison),
         measurement: report.measurement.as_ref().map(to_measurement),
         fit: report.fitted.as_ref().map(to_fit),
+        lods: report.lods.iter().map(to_lod).collect(),
+        normal_maps: report.normal_maps.iter().map(to_normal_map).collect(),
     }
 }
 
@@ -80,6 +82,24 @@ fn to_fit(fitted: &Fitted) -> v1::Fit {
         achieved_tolerance: fitted.achieved_tolerance,
         accuracy: Some(v1::Accuracy { bound: fitted.accuracy.bound, unit: unit.into() }),
         rounds: fitted.rounds,
+    }
+}
+
+fn to_lod(lod: &Lod) -> v1::Lod {
+    v1::Lod { triangles: lod.triangles, vertices: lod.vertices, tolerance: lod.tolerance, bound: lod.bound }
+}
+
+fn to_normal_map(map: &NormalMap) -> v1::NormalMap {
+    v1::NormalMap {
+        mesh: map.mesh.clone(),
+        primitive: map.primitive,
+        lod: map.lod,
+        width: map.size[0],
+        height: map.size[1],
+        coverage: map.coverage,
+        clamped: map.clamped,
+        angle_p50_deg: map.angle_p50_deg,
+        angle_p99_deg: map.angle_p99_deg,
     }
 }
 

@@ -36,13 +36,22 @@ pub(in super::super) fn drop_names(document: &mut Value, unwanted: impl Fn(&str)
 
 /// The file cannot be shown without the extension.
 pub(super) fn require(document: &mut Value, extension: &str) {
-    for key in ["extensionsUsed", "extensionsRequired"] {
-        if names(document, key).all(|name| name != extension) {
-            match document.get_mut(key).and_then(Value::as_array_mut) {
-                Some(list) => list.push(extension.into()),
-                None => document[key] = json!([extension]),
-            }
-        }
+    add_name(document, "extensionsUsed", extension);
+    add_name(document, "extensionsRequired", extension);
+}
+
+/// The file says something by the extension that may be left unread.
+pub(super) fn mention(document: &mut Value, extension: &str) {
+    add_name(document, "extensionsUsed", extension);
+}
+
+fn add_name(document: &mut Value, key: &str, extension: &str) {
+    if names(document, key).any(|name| name == extension) {
+        return;
+    }
+    match document.get_mut(key).and_then(Value::as_array_mut) {
+        Some(list) => list.push(extension.into()),
+        None => document[key] = json!([extension]),
     }
 }
 

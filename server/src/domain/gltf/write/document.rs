@@ -150,6 +150,12 @@ pub(super) fn fill_primitive(document: &mut Value, mesh: usize, primitive: usize
     }
 }
 
+pub(super) fn use_material(document: &mut Value, mesh: usize, primitive: usize, material: usize) {
+    if let Some(primitive) = primitive_mut(document, mesh, primitive) {
+        primitive.insert("material".into(), material.into());
+    }
+}
+
 /// Images that some texture called normal map shows, the core one or an extension's.
 pub(super) fn images_of_normal_maps(document: &Value) -> HashSet<usize> {
     let mut textures = HashSet::new();

@@ -1,18 +1,16 @@
 //! One displaced primitive: its vertices and triangles in the order of the file, its tangents and its skin.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 
 use super::{
     fine::Fine,
     listing::Listing,
+    normal_maps::NormalMap,
     pack::Bounds,
     skin::{self, Skin},
+    tangents,
 };
-use crate::domain::{
-    Error, ErrorKind, Result, grid::Grid, mesh::Attribute, report::Warning, scene::Scene, weld::mikk_tangents,
-};
+use crate::domain::{Error, ErrorKind, Result, grid::Grid, mesh::Attribute, report::Warning, scene::Scene};
 
 pub(super) struct Part<'a> {
     pub(super) gltf_mesh: usize,
@@ -23,6 +21,8 @@ pub(super) struct Part<'a> {
     /// Where the order of the file is not that of the surface.
     pub(super) listing: Option<Listing>,
     pub(super) skin: Option<Skin>,
+    /// What its material shows in place of a normal map of the file.
+    pub(super) normal_map: Option<&'a NormalMap>,
 }
 
 /// How values are written.
@@ -40,8 +40,10 @@ impl<'a> Part<'a> {
         gltf_mesh: usize,
         fine: Fine<'a>,
         coding: Coding,
+        normal_map: Option<&'a NormalMap>,
     ) -> Result<(Self, Option<Warning>)> {
-        let mut part = Self { gltf_mesh, coding, tangents: None, listing: None, skin: skin::blend(&fine), fine };
+        let skin = skin::blend(&fine);
+        let mut part = Self { gltf_mesh, coding, tangents: None, listing: None, skin, fine, normal_map };
         part.bounds_of(&part.fine.surface.positions)?;
         let warning = part.make_tangents(scene)?.or_else(|| part.without_tangent_deltas());
         Ok((part, warning))
@@ -50,8 +52,9 @@ impl<'a> Part<'a> {
     /// MikkTSpace where the material has a normal map, else the file's own carried over, else none.
     fn make_tangents(&mut self, scene: &Scene) -> Result<Option<Warning>> {
         let material = self.fine.primitive.material.and_then(|m| scene.materials.get(m));
-        let normal_map = material.filter(|m| m.has_normal_map).map(|m| m.normal_uv_set);
-        let uvs = normal_map.and_then(|set| self.attribute(&format!("TEXCOORD_{set}")));
+        let of_file = material.filter(|m| m.has_normal_map).map(|m| m.normal_uv_set);
+        let uv_set = self.normal_map.map(|map| map.uv_set).or(of_file);
+        let uvs = uv_set.and_then(|set| self.attribute(&format!("TEXCOORD_{set}")));
         if let Some(uvs) = uvs {
             return match self.mikk(uvs) {
                 Ok(()) => Ok(None),
@@ -81,35 +84,10 @@ impl<'a> Part<'a> {
         Warning::new("no_tangents", format!("{place} has no tangents: {}", error.message))
     }
 
-    /// Vertices are doubled where the tangents of their triangles differ.
     fn mikk(&mut self, uvs: &'a [f32]) -> Result<()> {
-        let fine = &self.fine;
-        let mut listing = Listing::of(fine);
-        let surface = fine.surface;
-        let of_corners = mikk_tangents(
-            &listing.triangles,
-            |v| surface.positions[fine.global(v as usize)],
-            |v| surface.normals[fine.global(v as usize)],
-            |v| [uvs[2 * fine.global(v as usize)], uvs[2 * fine.global(v as usize) + 1]],
-        )?;
-        let mut tangents = vec![[0.0f32; 4]; fine.vertices()];
-        let mut copy_of = HashMap::new();
-        for (vertex, tangent) in listing.triangles.as_flattened_mut().iter_mut().zip(of_corners) {
-            let known = &mut tangents[*vertex as usize];
-            if known[3] == 0.0 {
-                *known = tangent;
-            } else if *known != tangent {
-                let next = listing.vertices.len() as u32;
-                let copy = *copy_of.entry((*vertex, tangent.map(f32::to_bits))).or_insert(next);
-                if copy == next {
-                    listing.vertices.push(*vertex);
-                    tangents.push(tangent);
-                }
-                *vertex = copy;
-            }
-        }
-        self.tangents = Some(tangents);
-        self.listing = (!copy_of.is_empty()).then_some(listing);
+        let split = tangents::made(&self.fine, uvs)?;
+        self.tangents = Some(split.tangents);
+        self.listing = split.any.then_some(split.listing);
         Ok(())
     }
 
