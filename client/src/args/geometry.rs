@@ -34,6 +34,10 @@ pub(crate) struct GeometryArgs {
     /// Normals of the displaced surface: from derivatives, or from the triangles
     #[arg(long, value_enum, default_value = "analytic")]
     pub(crate) normals: NormalsArg,
+    /// The smooth surface under the detail: the triangles themselves, PN triangles, Phong tessellation, or the limit
+    /// of Loop's subdivision
+    #[arg(long, value_enum, default_value = "flat")]
+    pub(crate) base: BaseArg,
     /// How the sides of a seam become one
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) seams: SeamsArg,
@@ -80,6 +84,15 @@ pub(crate) enum NormalsArg {
     #[default]
     Analytic,
     Geometric,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BaseArg {
+    #[default]
+    Flat,
+    Pn,
+    Phong,
+    Loop,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -2,7 +2,7 @@
 
 use displace_proto::v1::{self, geometry::Refinement, tolerance::Allowed};
 
-use crate::args::{ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg, values::View};
+use crate::args::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg, values::View};
 
 pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
     v1::Geometry {
@@ -15,6 +15,7 @@ pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
         .into(),
         seams: seams(args.seams).into(),
         feather_texels: Some(args.feather),
+        base: base(args.base).into(),
     }
 }
 
@@ -64,6 +65,15 @@ pub(crate) fn seams(seams: SeamsArg) -> v1::SeamRule {
     match seams {
         SeamsArg::Mean => v1::SeamRule::Mean,
         SeamsArg::Dominant => v1::SeamRule::Dominant,
+    }
+}
+
+pub(crate) fn base(base: BaseArg) -> v1::Base {
+    match base {
+        BaseArg::Flat => v1::Base::Flat,
+        BaseArg::Pn => v1::Base::Pn,
+        BaseArg::Phong => v1::Base::Phong,
+        BaseArg::Loop => v1::Base::Loop,
     }
 }
 

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::domain::{
         mesh::Mesh,
-        request::{Normals, Quality, Refinement, SeamRule},
+        request::{Base, Normals, Quality, Refinement, SeamRule},
         scene::SceneMesh,
     };
 
@@ -102,6 +102,7 @@ mod tests {
             normals: Normals::Analytic,
             seams: SeamRule::Mean,
             feather_texels: 0.0,
+            base: Base::Flat,
         }
     }
 
