@@ -20,7 +20,7 @@ fn places(mesh: &TestMesh, base: Base, level: u32) -> (Vec<Vec3>, Vec<Vec3>) {
 fn radii(base: Base) -> [f32; 2] {
     let mesh = meshes::icosphere(0);
     let (all, _) = places(&mesh, base, 1);
-    [all[0].length(), all[mesh.positions.len()].length()]
+    [all[0].length(), all[mesh.to_mesh().av_gv.len()].length()]
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn an_icosahedron_comes_as_near_to_its_sphere_as_the_formulas_say() {
 
 #[test]
 fn normals_of_a_smooth_base_are_those_of_its_sphere_nearly() {
-    for (base, most) in [(Base::Pn, 0.02), (Base::Phong, 0.02), (Base::Loop, 0.03)] {
+    for (base, most) in [(Base::Pn, 0.02), (Base::Phong, 0.02), (Base::Loop, 0.04)] {
         let (all, normals) = places(&meshes::icosphere(1), base, 3);
         let worst = all.iter().zip(&normals).map(|(p, n)| n.distance(p.normalize())).fold(0.0, f32::max);
         assert!(worst < most, "{base:?}: {worst}");

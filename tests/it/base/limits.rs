@@ -116,7 +116,8 @@ fn explicit_subdivision_converges_to_the_limit() {
             apart.push(explicit.apart(&limit));
         }
         assert!(apart[5] < 1.2e-3, "{}: {apart:?}", mesh.name);
-        assert!(apart[5] < apart[3] / 4.0, "{}: {apart:?}", mesh.name);
+        // Around vertices on borders the control net shrinks onto the limit by 0.58 a step at worst.
+        assert!(apart[5] < apart[3] / 2.0, "{}: {apart:?}", mesh.name);
     }
 }
 

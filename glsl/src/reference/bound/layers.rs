@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{
     Asked, expression,
     field::{Field, Scalar},
+    smooth,
     texels::{self, Corner},
 };
 use crate::{
@@ -31,6 +32,8 @@ pub(super) struct Patch<'p> {
     pub(super) places: &'p Places<'p>,
     pub(super) asked: Asked,
     pub(super) av: [u32; 3],
+    /// Where they are on a smooth base; see [`crate::patches`].
+    pub(super) patch: u32,
     pub(super) detail: u32,
     pub(super) corners: [DVec3; 3],
     /// Expressions are bounded no closer than this.
@@ -74,6 +77,9 @@ impl Patch<'_> {
     }
 
     fn frame(&self) -> Frame {
+        if let Some([normal, direction]) = smooth::frame(self) {
+            return Frame { direction, normal };
+        }
         let tables = self.places.tables;
         let normal = self.blend(self.av.map(|av| vector(&tables.av_normal[av as usize])));
         let direction = self.blend(self.av.map(|av| vector(&tables.av_direction_v[av as usize])));
