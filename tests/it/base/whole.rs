@@ -3,8 +3,15 @@
 use std::sync::Arc;
 
 use displace_server::{
-    domain::{detail::Detail, request::SeamRule},
-    oracle::invariants::{self, boundary_edges},
+    domain::{
+        detail::Detail,
+        request::SeamRule,
+        surface::{Place, Surface},
+    },
+    oracle::{
+        invariants::{self, boundary_edges},
+        surface as oracle,
+    },
     render::Executor,
 };
 use displace_tests::{
@@ -12,7 +19,7 @@ use displace_tests::{
     meshes::{self, TestMesh},
     surfaces::{detail, displace, expression, noise_height},
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::*;
 
@@ -59,6 +66,42 @@ fn check_all(executor: &dyn Executor) {
             for (detail, feather_texels) in [(&details[0], 3.0), (&details[0], 0.0), (&details[1], 3.0)] {
                 check(executor, &mesh, detail, &Geometry { feather_texels, ..geometry(3, base) });
             }
+        }
+    }
+}
+
+/// Distances of fine vertices from where the oracle has them, and of their normals from its, worst but for one in a hundred.
+fn from_oracle(mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry, surface: &Surface) -> [f64; 2] {
+    let details = vec![Some(Arc::clone(detail)); mesh.primitives.len()];
+    let truth = oracle::Surface::new(mesh, &details, oracle::SeamChoice::from(geometry));
+    let (mut places, mut normals) = (Vec::new(), Vec::new());
+    for t in 0..mesh.triangles.len() {
+        for vertex in surface.triangles[surface.triangles_of(t)].iter().flatten() {
+            let Place::Inside { b: [b1, b2], .. } = surface.layout.place(mesh, *vertex as usize) else { continue };
+            let [b1, b2] = [b1, b2].map(|b| f64::from(b) / f64::from(1 << 24));
+            let (place, normal) = truth.position_and_normal(t, DVec3::new(1.0 - b1 - b2, b1, b2));
+            let own = |of: &[[f32; 3]]| DVec3::from_array(of[*vertex as usize].map(f64::from));
+            places.push(own(&surface.positions).distance(place));
+            normals.push(own(&surface.normals).distance(normal));
+        }
+    }
+    let nearly_worst = |mut all: Vec<f64>| {
+        all.sort_by(f64::total_cmp);
+        all[(all.len() - 1) * 99 / 100]
+    };
+    [nearly_worst(places), nearly_worst(normals)]
+}
+
+#[test]
+fn the_oracle_has_the_same_surface_and_normals() {
+    let details = [detail(noise_height(16, 1), 0.05), detail(expression("0.1*sin(9*u+x)*ny"), 1.0)];
+    for (mesh, base) in all_meshes().iter().flat_map(|mesh| SMOOTH.map(|base| (mesh, base))) {
+        let own = bent(mesh, base);
+        for detail in &details {
+            let surface = displace(&*device::reference(), &own, detail, &geometry(3, base));
+            let [place, normal] = from_oracle(&own, detail, &geometry(3, base), &surface);
+            assert!(place < 1e-6, "{} {base:?}: {place:e}", mesh.name);
+            assert!(normal < 1e-5, "{} {base:?}: {normal:e}", mesh.name);
         }
     }
 }
