@@ -59,13 +59,31 @@ impl Net {
 
     /// One step of de Casteljau's algorithm, with any coefficients.
     fn step(&self, c: DVec3) -> Self {
-        let blend = |j, k| self.point(j, k) * c.x + self.point(j + 1, k) * c.y + self.point(j, k + 1) * c.z;
-        Self::new(self.degree - 1, blend)
+        let mut net = *self;
+        net.reduce(c);
+        net
     }
 
     #[must_use]
     pub fn at(&self, b: DVec3) -> DVec3 {
-        (0..self.degree).fold(*self, |net, _| net.step(b)).points[0]
+        let mut net = *self;
+        (0..self.degree).for_each(|_| net.reduce(b));
+        net.points[0]
+    }
+
+    /// As `step`, in place.
+    fn reduce(&mut self, c: DVec3) {
+        let degree = self.degree;
+        let (mut from, mut to) = (0, 0);
+        for k in 0..degree {
+            for _ in 0..degree - k {
+                let above = self.points[from + degree + 1 - k];
+                self.points[to] = self.points[from] * c.x + self.points[from + 1] * c.y + above * c.z;
+                (from, to) = (from + 1, to + 1);
+            }
+            from += 1;
+        }
+        self.degree = degree - 1;
     }
 
     /// For degrees from 2 on.
@@ -100,11 +118,23 @@ impl Net {
     /// The same polynomial over the triangle with these corners: the blossom at them.
     #[must_use]
     pub fn within(&self, corners: [DVec3; 3]) -> Self {
-        let blossom = |j: usize, k: usize| {
-            let arguments = (0..self.degree).map(|n| corners[usize::from(n < j + k) + usize::from(n < k)]);
-            arguments.fold(*self, |net, b| net.step(b)).points[0]
-        };
-        Self::new(self.degree, blossom)
+        let mut part = *self;
+        let mut by_last = *self;
+        for k in 0..=self.degree {
+            let mut by_both = by_last;
+            for j in 0..=self.degree - k {
+                let mut net = by_both;
+                (0..self.degree - j - k).for_each(|_| net.reduce(corners[0]));
+                part.points[index(self.degree, j, k)] = net.points[0];
+                if j + k < self.degree {
+                    by_both.reduce(corners[1]);
+                }
+            }
+            if k < self.degree {
+                by_last.reduce(corners[2]);
+            }
+        }
+        part
     }
 
     /// The cross product; degrees add up, to 6 at most.

@@ -118,6 +118,28 @@ impl Patches {
         Some([self.net(first, 2), self.net(first + bezier::points(2) as u32, 2)])
     }
 
+    /// How far places get at most beyond the box of the `vertices`, along any axis.
+    #[must_use]
+    pub fn bulge(&self, vertices: &[[f32; 3]]) -> f64 {
+        let ends = |k: usize| {
+            let each = vertices.iter().map(|p| f64::from(p[k]));
+            each.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        let ends = [0, 1, 2].map(ends);
+        let beyond = |p: DVec3| (0..3).map(|k| (ends[k].0 - p[k]).max(p[k] - ends[k].1)).fold(0.0, f64::max);
+        let of_leaf = |leaf: &PatchNode| {
+            let (net, origin) = (self.position(leaf), self.origin(leaf));
+            net.points().iter().map(|p| beyond(origin + *p)).fold(0.0, f64::max)
+        };
+        self.nodes.iter().filter(|node| node.parts == NONE).map(of_leaf).fold(0.0, f64::max)
+    }
+
+    /// Bytes on a device.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&*self.nodes) + size_of_val(&*self.points)) as u64
+    }
+
     /// Corners of triangle t whose directions are given, as 1 and 0, and those directions.
     #[must_use]
     pub fn given(&self, t: u32) -> Option<(DVec3, [DVec3; 3])> {

@@ -17,7 +17,7 @@ use judge::farthest;
 /// Seeded combinations of meshes, details, seams and tolerances.
 const COMBINATIONS: u64 = 200;
 /// The first of them, over smooth bases in turn.
-const SMOOTH_COMBINATIONS: u64 = 60;
+const SMOOTH_COMBINATIONS: u64 = 30;
 
 /// What a tolerance asks of the case, as a share of the diagonal.
 fn geometry(case: &Case, quality: Quality) -> Geometry {

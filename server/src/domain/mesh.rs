@@ -138,6 +138,12 @@ impl Mesh {
         self.av_tangent.get(primitive.avs.start as usize).is_some_and(|t| t[3] != 0.0)
     }
 
+    /// How far a smooth base reaches at most beyond the box of the vertices, along any axis; mesh-local units.
+    #[must_use]
+    pub fn bulge(&self) -> f64 {
+        self.patches.as_ref().map_or(0.0, |patches| patches.bulge(&self.gv_position))
+    }
+
     #[must_use]
     pub fn attribute(&self, semantic: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.semantic == semantic)

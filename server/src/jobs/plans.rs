@@ -72,7 +72,7 @@ impl Plans {
             if let (true, TessellationPlan::Tolerance(tolerance)) = (free, &mut plan.tessellation) {
                 let reach = details.iter().flatten().map(|detail| detail.reach(&m.mesh)).fold(0.0, f64::max);
                 // Without a bound it is seen afterwards whether the grid is fine enough.
-                tolerance.keep_back(&m.mesh, if reach.is_finite() { reach } else { 0.0 });
+                tolerance.keep_back(&m.mesh, m.mesh.bulge() + if reach.is_finite() { reach } else { 0.0 });
             }
         }
     }

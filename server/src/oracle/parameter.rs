@@ -69,7 +69,7 @@ impl Parameter for f64 {
         &corners[0]
     }
     fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3] {
-        polynomial.about(spot.low).first_order()[0].to_array()
+        polynomial.first_order(spot.low)[0].to_array()
     }
     fn either(self, _: Self) -> Self {
         self
@@ -114,7 +114,7 @@ impl Parameter for Dual<2> {
         &corners[0]
     }
     fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3] {
-        let [value, by_x, by_y] = polynomial.about(spot.low).first_order();
+        let [value, by_x, by_y] = polynomial.first_order(spot.low);
         std::array::from_fn(|k| Self::new(value[k], [spot.scale * by_x[k], spot.scale * by_y[k]]))
     }
     fn either(self, _: Self) -> Self {
@@ -176,7 +176,7 @@ impl Parameter for IntervalJet {
         let middle = [0, 1].map(|k| 0.5 * (spot.low[k] + spot.high[k]));
         let radius = [0, 1].map(|k| (0.5 * (spot.high[k] - spot.low[k])).next_up());
         let about = polynomial.about(middle);
-        let (at, spread) = (about.first_order(), about.spread(radius));
+        let (at, spread) = (about.first_order([0.0; 2]), about.spread(radius));
         let interval = |order: usize, k: usize| {
             Interval::new(at[order][k] - spread[order][k], at[order][k] + spread[order][k]).widened()
         };

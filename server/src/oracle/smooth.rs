@@ -89,6 +89,15 @@ impl<'m> Bends<'m> {
         }
     }
 
+    pub(super) fn position<N: Parameter>(&self, t: usize, place: &N::Place) -> [N; 3] {
+        let mut found: Option<[N; 3]> = None;
+        self.triangles[t].visit(N::corners(place), 1.0, &mut |leaf, spot| {
+            let own = N::polynomial(spot, &leaf.position);
+            found = Some(found.map_or(own, |before| either(before, own)));
+        });
+        found.unwrap_or_else(zero)
+    }
+
     /// At a place along an attribute edge.
     pub(super) fn on_edge<N: Parameter>(&self, ae: u32, along: N) -> Fields<N> {
         let place = self.patches.edges[ae as usize];

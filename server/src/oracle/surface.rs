@@ -192,7 +192,7 @@ impl<'m> Surface<'m> {
 
     fn base<N: Parameter>(&self, t: usize, place: &N::Place) -> [N; 3] {
         if let Some(bends) = &self.bends {
-            return bends.fields(t, place).position;
+            return bends.position::<N>(t, place);
         }
         let corners = self.mesh.triangles[t].av.map(|av| self.base_position(av));
         std::array::from_fn(|k| N::affine(place, corners.map(|c| c[k])))

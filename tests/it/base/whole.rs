@@ -95,11 +95,12 @@ fn from_oracle(mesh: &Mesh, detail: &Arc<Detail>, geometry: &Geometry, surface: 
 #[test]
 fn the_oracle_has_the_same_surface_and_normals() {
     let details = [detail(noise_height(16, 1), 0.05), detail(expression("0.1*sin(9*u+x)*ny"), 1.0)];
-    for (mesh, base) in all_meshes().iter().flat_map(|mesh| SMOOTH.map(|base| (mesh, base))) {
+    let meshes = [meshes::cube(), meshes::torus(8, 5), meshes::moebius(8, 2), meshes::icosphere(1), non_manifold()];
+    for (mesh, base) in meshes.iter().flat_map(|mesh| SMOOTH.map(|base| (mesh, base))) {
         let own = bent(mesh, base);
         for detail in &details {
-            let surface = displace(&*device::reference(), &own, detail, &geometry(3, base));
-            let [place, normal] = from_oracle(&own, detail, &geometry(3, base), &surface);
+            let surface = displace(&*device::reference(), &own, detail, &geometry(2, base));
+            let [place, normal] = from_oracle(&own, detail, &geometry(2, base), &surface);
             assert!(place < 1e-6, "{} {base:?}: {place:e}", mesh.name);
             assert!(normal < 1e-5, "{} {base:?}: {normal:e}", mesh.name);
         }

@@ -105,12 +105,9 @@ impl<'p> Region<'p> {
     fn frame(&self, part: &Part) -> [Field; 2] {
         let over = |net: &Net| field(&net.within(part.corners.map(|at| at.b)));
         let (normal, direction) = self.normals(part);
-        let normal = sized(over(&normal));
-        let unit = normal.unit();
-        let direction = direction.map_or(unit, |direction| {
-            let normal = over(&self.normals(part).0);
-            over(&direction).over(normal, MIN_BLENDED_NORMAL)
-        });
+        let normal = over(&normal);
+        let unit = sized(normal).unit();
+        let direction = direction.map_or(unit, |direction| over(&direction).over(normal, MIN_BLENDED_NORMAL));
         [unit, self.with_given(part, direction)]
     }
 

@@ -6,7 +6,7 @@ use super::Polynomial;
 
 /// Place of the coefficient of x^m y^n: rows of constant n.
 fn index(degree: usize, m: usize, n: usize) -> usize {
-    (0..n).map(|row| degree + 1 - row).sum::<usize>() + m
+    n * (degree + 1) - n * n.saturating_sub(1) / 2 + m
 }
 
 fn choose(n: usize, k: usize) -> f64 {
@@ -54,24 +54,46 @@ impl Polynomial {
         self.coefficients.iter().map(|c| c.length()).fold(0.0, f64::max)
     }
 
-    /// The same in powers of x − x0 and y − y0: its Taylor series.
-    pub(in crate::oracle) fn about(&self, [x, y]: [f64; 2]) -> Self {
-        Self::new(self.degree, |p, q| {
-            let mut sum = DVec3::ZERO;
-            for n in q..=self.degree - p {
-                for m in p..=self.degree - n {
-                    let power = x.powi((m - p) as i32) * y.powi((n - q) as i32);
-                    sum += self.coefficient(m, n) * (choose(m, p) * choose(n, q) * power);
-                }
+    /// Value and slopes at (x, y), by Horner's rule.
+    pub(in crate::oracle) fn first_order(&self, [x, y]: [f64; 2]) -> [DVec3; 3] {
+        let [mut value, mut by_x, mut by_y] = [DVec3::ZERO; 3];
+        let mut end = self.coefficients.len();
+        for row in (0..=self.degree).rev() {
+            let start = end - (self.degree + 1 - row);
+            let (mut of_row, mut slope) = (DVec3::ZERO, DVec3::ZERO);
+            for coefficient in self.coefficients[start..end].iter().rev() {
+                slope = slope * x + of_row;
+                of_row = of_row * x + *coefficient;
             }
-            sum
-        })
+            by_y = by_y * y + value;
+            value = value * y + of_row;
+            by_x = by_x * y + slope;
+            end = start;
+        }
+        [value, by_x, by_y]
     }
 
-    /// The value and the two slopes where x = y = 0.
-    pub(in crate::oracle) fn first_order(&self) -> [DVec3; 3] {
-        let slope = |m: usize, n: usize| if self.degree > 0 { self.coefficient(m, n) } else { DVec3::ZERO };
-        [self.coefficient(0, 0), slope(1, 0), slope(0, 1)]
+    /// The same in powers of x − x0 and y − y0: its Taylor series, by dividing by them again and again.
+    pub(in crate::oracle) fn about(&self, [x, y]: [f64; 2]) -> Self {
+        let mut series = Self { degree: self.degree, coefficients: self.coefficients.clone() };
+        let degree = self.degree;
+        for n in 0..=degree {
+            for low in 0..degree - n {
+                for m in (low..degree - n).rev() {
+                    let above = series.coefficients[index(degree, m + 1, n)];
+                    series.coefficients[index(degree, m, n)] += above * x;
+                }
+            }
+        }
+        for m in 0..=degree {
+            for low in 0..degree - m {
+                for n in (low..degree - m).rev() {
+                    let above = series.coefficients[index(degree, m, n + 1)];
+                    series.coefficients[index(degree, m, n)] += above * y;
+                }
+            }
+        }
+        series
     }
 
     /// How far value and slopes get at most from those at x = y = 0 in the box |x| <= rx, |y| <= ry, by component.
@@ -93,5 +115,40 @@ impl Polynomial {
             }
         }
         spread
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quartic() -> Polynomial {
+        Polynomial::of_net(4, |k| DVec3::new((k as f64 * 1.7).sin(), k as f64, 1.0 / (k as f64 + 1.0)))
+    }
+
+    #[test]
+    fn a_taylor_series_is_the_same_polynomial_with_its_slopes() {
+        let (at, off, polynomial) = ([0.3, 0.2], [0.11, -0.07], quartic());
+        let series = polynomial.about(at);
+        let place = [at[0] + off[0], at[1] + off[1]];
+        for k in 0..3 {
+            assert!(series.first_order(off)[k].distance(polynomial.first_order(place)[k]) < 1e-12);
+        }
+        let slopes = [0, 1].map(|axis| polynomial.derivative(axis).first_order(place)[0]);
+        assert!(slopes[0].distance(polynomial.first_order(place)[1]) < 1e-12);
+        assert!(slopes[1].distance(polynomial.first_order(place)[2]) < 1e-12);
+    }
+
+    #[test]
+    fn no_place_of_a_box_is_beyond_the_spread() {
+        let series = quartic().about([0.4, 0.3]);
+        let (radius, spread) = ([0.2, 0.1], series.spread([0.2, 0.1]));
+        for (i, j) in (-4..=4).flat_map(|i| (-4..=4).map(move |j| (i, j))) {
+            let place = [radius[0] * f64::from(i) / 4.0, radius[1] * f64::from(j) / 4.0];
+            let (here, middle) = (series.first_order(place), series.first_order([0.0; 2]));
+            for order in 0..3 {
+                assert!((here[order] - middle[order]).abs().cmple(spread[order] + 1e-12).all());
+            }
+        }
     }
 }
