@@ -176,8 +176,8 @@ impl Net {
 }
 
 fn multinomial(degree: usize, j: usize, k: usize) -> f64 {
-    let factorial = |n: usize| (1..=n).product::<usize>() as f64;
-    factorial(degree) / (factorial(degree - j - k) * factorial(j) * factorial(k))
+    const FACTORIALS: [f64; 7] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
+    FACTORIALS[degree] / (FACTORIALS[degree - j - k] * FACTORIALS[j] * FACTORIALS[k])
 }
 
 #[cfg(test)]

@@ -19,6 +19,18 @@ pub struct Patches {
     pub points: Vec<[f32; 3]>,
     /// Where each ae lies; see [`on_edge`].
     pub edges: Vec<u32>,
+    /// Of each node, or none: what bounds read instead of many small patches.
+    pub summaries: Vec<Summary>,
+}
+
+/// A node as one flat triangle: its places and unit normals are nowhere farther than the radii from what is straight
+/// between those at its corners.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub places: [DVec3; 3],
+    pub place_radius: f64,
+    pub normals: [DVec3; 3],
+    pub normal_radius: f64,
 }
 
 /// Where the base is evaluated: at an attribute vertex.

@@ -3,7 +3,10 @@
 
 use std::{ops::Range, sync::Arc};
 
-use crate::{layout::geometry::{BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide}, patches::Patches};
+use crate::{
+    layout::geometry::{BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide},
+    patches::Patches,
+};
 
 /// All tables of one base mesh. Names are those of the shaders' bindings.
 #[derive(Clone, Debug, Default, PartialEq)]

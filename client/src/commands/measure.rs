@@ -49,8 +49,18 @@ async fn request(
         let mut parcel = Parcel::default();
         let (mesh, result) = (Some(parcel.mesh(&mesh)?), Some(parcel.mesh(&result)?));
         let details = parcel.details(&groups)?;
-        let message =
-            MeasureRequest { mesh, details, seams, feather_texels, result, precision, colors, fresh, linger_secs, base };
+        let message = MeasureRequest {
+            mesh,
+            details,
+            seams,
+            feather_texels,
+            result,
+            precision,
+            colors,
+            fresh,
+            linger_secs,
+            base,
+        };
         Ok((message, parcel))
     })
     .await

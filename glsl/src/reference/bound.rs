@@ -13,6 +13,8 @@ mod texels;
 
 use glam::DVec3;
 
+pub use smooth::summaries;
+
 use super::place::Places;
 use crate::patches::inside;
 

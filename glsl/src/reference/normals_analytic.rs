@@ -18,7 +18,11 @@ pub fn normal(tables: &Tables, corner: Option<u32>, contributions: &[(Sample, Je
     let sum: DVec3 = contributions.iter().map(|(own, d)| displaced(tables, own, *d)).sum();
     let base: DVec3 = match corner {
         Some(av) => vector(&tables.av_normal[av as usize]),
-        None => contributions.iter().map(|(own, _)| smooth::fields(tables, &own.site).normal.x_axis).sum::<DVec3>().normalize(),
+        None => contributions
+            .iter()
+            .map(|(own, _)| smooth::fields(tables, &own.site).normal.x_axis)
+            .sum::<DVec3>()
+            .normalize(),
     };
     if moved && sum.length() > 1e-6 { sum.normalize() } else { base }
 }

@@ -2,7 +2,7 @@
 
 use displace_tests::{
     device, meshes,
-    surfaces::{displace, detail, expression},
+    surfaces::{detail, displace, expression},
 };
 use glam::Vec3;
 
@@ -55,7 +55,9 @@ fn an_icosahedron_comes_as_near_to_its_sphere_as_the_formulas_say() {
     let cosine = 0.2f64.sqrt();
     let middle = (2.0 + 2.0 * cosine).sqrt();
     let beta = (0.625 - (0.375 + 0.25 * (std::f64::consts::TAU / 5.0).cos()).powi(2)) / 5.0;
-    let near = |found: f32, wanted: f64, what: &str| assert!((f64::from(found) - wanted).abs() < 1e-6, "{what}: {found} not {wanted}");
+    let near = |found: f32, wanted: f64, what: &str| {
+        assert!((f64::from(found) - wanted).abs() < 1e-6, "{what}: {found} not {wanted}")
+    };
     let [corner, edge] = radii(Base::Pn);
     near(corner, 1.0, "pn corner");
     near(edge, middle * (5.0 - cosine) / 8.0, "pn edge");

@@ -21,9 +21,8 @@ struct Explicit {
 impl Explicit {
     fn new(mesh: &Mesh) -> Self {
         let corner = |av: u32, b: DVec3| (mesh.av_gv[av as usize] as usize, b);
-        let triangle = |(t, [a, b, c]): (usize, [u32; 3])| {
-            (t, [corner(a, DVec3::X), corner(b, DVec3::Y), corner(c, DVec3::Z)])
-        };
+        let triangle =
+            |(t, [a, b, c]): (usize, [u32; 3])| (t, [corner(a, DVec3::X), corner(b, DVec3::Y), corner(c, DVec3::Z)]);
         Self {
             points: mesh.gv_position.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
             triangles: mesh.triangles.iter().map(|t| t.av).enumerate().map(triangle).collect(),

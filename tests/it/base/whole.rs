@@ -118,10 +118,7 @@ fn no_base_opens_a_crack() {
 #[test]
 fn devices_agree_on_every_base_with_the_reference() {
     let Some(executor) = device::executor("smooth bases") else { return };
-    let details = [
-        detail(noise_height(64, 1), 0.05),
-        detail(expression("0.1*sin(9*u+x)*ny"), 1.0),
-    ];
+    let details = [detail(noise_height(64, 1), 0.05), detail(expression("0.1*sin(9*u+x)*ny"), 1.0)];
     for (mesh, base) in all_meshes().iter().flat_map(|mesh| SMOOTH.map(|base| (mesh, base))) {
         let own = bent(mesh, base);
         for (detail, seams) in details.iter().zip([SeamRule::Mean, SeamRule::Dominant]) {
@@ -133,8 +130,7 @@ fn devices_agree_on_every_base_with_the_reference() {
                 all.sort_by(f32::total_cmp);
                 all
             };
-            let (places, normals) =
-                (apart(&found.positions, &twin.positions), apart(&found.normals, &twin.normals));
+            let (places, normals) = (apart(&found.positions, &twin.positions), apart(&found.normals, &twin.normals));
             let what = format!("{} {base:?}", mesh.name);
             assert!(places[places.len() - 1] < 2e-5, "{what}: positions {}", places[places.len() - 1]);
             let nearly_all = normals[(normals.len() - 1) * 99 / 100];

@@ -8,7 +8,7 @@ use super::{
     smooth,
 };
 use crate::{
-    expression::{Interval, IntervalJet, Number, evaluate},
+    expression::{Interval, IntervalJet, Number, evaluate, reads},
     layout::geometry::Layer,
     reference::{displace_expression::code, site::vector},
 };
@@ -94,10 +94,18 @@ impl Part<'_> {
     /// With slopes in [g − r, g + r] along two sides, f is within (r1 + r2) / 2 of what is straight.
     fn deviation(&self, shares: [DVec3; 3]) -> f64 {
         let places = shares.map(|share| self.place(share));
-        let variables = self.variables(|values| affine(places, values), smooth::bounds(self.patch, places));
+        let variables = self.variables(|values| affine(places, values), self.base_bounds(places));
         let jet = evaluate(code(self.patch.places.tables, self.layer), &variables);
         let radius = |slope: Interval| 0.5 * (slope.hi - slope.lo);
         0.5 * (radius(jet.slope[0]) + radius(jet.slope[1]))
+    }
+
+    /// Position and normal of a smooth base; anything where they are not read.
+    fn base_bounds(&self, places: [DVec3; 3]) -> Option<[[IntervalJet; 3]; 2]> {
+        if reads(code(self.patch.places.tables, self.layer), 2..=7) {
+            return smooth::bounds(self.patch, places);
+        }
+        self.patch.places.tables.patches.as_ref().map(|_| [[IntervalJet::constant(1.0); 3]; 2])
     }
 
     /// The variables an expression reads, from what is affine between the attribute vertices; position and normal are

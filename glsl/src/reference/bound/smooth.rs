@@ -11,13 +11,17 @@ use crate::{
     bezier::Net,
     expression::{Interval, IntervalJet, interval_jet::hull},
     layout::geometry::NONE,
-    patches::{PatchNode, Patches, into_part, within_triangle},
+    patches::{PatchNode, Patches, Summary, into_part, within_triangle},
     reference::{
         frame::MIN_BLENDED_NORMAL,
         site::Site,
         smooth::{self, Fields},
     },
 };
+
+/// Nodes that bend by so little of the resolution, and whose normals turn so little, count as flat triangles.
+const SMALL_BEND: f64 = 0.25;
+const SMALL_TURN: f64 = 1.0 / 512.0;
 
 /// A corner of a part: where it lies in the part's patch, and its shares of the region's corners.
 #[derive(Clone, Copy)]
@@ -29,6 +33,8 @@ struct At {
 /// A triangle of a region that lies in one Bézier triangle.
 struct Part {
     leaf: PatchNode,
+    /// Stands for the patches of a node that is small.
+    summary: Option<Summary>,
     corners: [At; 3],
     /// Of directions, from the whole triangle to the patch.
     scale: f64,
@@ -41,27 +47,32 @@ struct Region<'p> {
     /// Barycentrics of the base triangle.
     corners: [DVec3; 3],
     parts: Vec<Part>,
+    /// Nodes that bend less than this count as summed up, local units; 0 is none.
+    small: f64,
 }
 
 impl<'p> Region<'p> {
-    fn new(patch: &Patch<'p>, corners: [DVec3; 3]) -> Option<Self> {
+    fn new(patch: &Patch<'p>, corners: [DVec3; 3], small: f64) -> Option<Self> {
         let patches = patch.places.tables.patches.as_deref()?;
         let corners = corners.map(|b| within_triangle(patch.patch, b));
-        let mut region = Self { patches, triangle: patch.patch / 8, corners, parts: Vec::new() };
+        let mut region = Self { patches, triangle: patch.patch / 8, corners, parts: Vec::new(), small };
         let shares = [DVec3::X, DVec3::Y, DVec3::Z];
         let whole = (0..3).map(|k| At { b: corners[k], share: shares[k] }).collect();
-        region.cut(patches.nodes[region.triangle as usize], whole, 1.0);
+        region.cut(region.triangle as usize, whole, 1.0);
         Some(region)
     }
 
     /// Adds what of a convex polygon lies in the patches of a node.
-    fn cut(&mut self, node: PatchNode, polygon: Vec<At>, scale: f64) {
+    fn cut(&mut self, node: usize, polygon: Vec<At>, scale: f64) {
         if polygon.len() < 3 {
             return;
         }
-        if node.parts == NONE {
+        let is_small = |s: &&Summary| s.place_radius <= self.small && s.normal_radius <= SMALL_TURN;
+        let summary = self.patches.summaries.get(node).filter(is_small).copied();
+        let node = self.patches.nodes[node];
+        if node.parts == NONE || summary.is_some() {
             let fan = (1..polygon.len() - 1).map(|k| [polygon[0], polygon[k], polygon[k + 1]]);
-            return self.parts.extend(fan.map(|corners| Part { leaf: node, corners, scale }));
+            return self.parts.extend(fan.map(|corners| Part { leaf: node, summary, corners, scale }));
         }
         for part in 0..4 {
             let kept = if part < 3 {
@@ -71,7 +82,7 @@ impl<'p> Region<'p> {
             };
             let inside = kept.into_iter().map(|at| At { b: into_part(part, at.b), ..at }).collect();
             let scale = scale * if part == 3 { -2.0 } else { 2.0 };
-            self.cut(self.patches.nodes[node.parts as usize + part], inside, scale);
+            self.cut(node.parts as usize + part, inside, scale);
         }
     }
 
@@ -88,21 +99,17 @@ impl<'p> Region<'p> {
         self.patches.position(&part.leaf)
     }
 
-    /// Not unit, over the whole patch; and the directions that go with them, unless they are the same.
     fn normals(&self, part: &Part) -> (Net, Option<Net>) {
-        if let Some([normal, direction]) = self.patches.normals(&part.leaf) {
-            return (normal, Some(direction));
-        }
-        let net = self.position(part);
-        let [u, v] = [net.along(DVec3::new(-1.0, 1.0, 0.0)), net.along(DVec3::new(-1.0, 0.0, 1.0))];
-        let size = u.longest().max(v.longest()).max(f64::MIN_POSITIVE);
-        let by = 1.0 / size;
-        let sized = |net: &Net, by: f64| Net::new(net.degree, |j, k| net.point(j, k) * by);
-        (sized(&u, by).cross(&sized(&v, by * f64::from(part.leaf.side))), None)
+        normals(self.patches, &part.leaf)
     }
 
     /// Unit normal and direction over a part.
     fn frame(&self, part: &Part) -> [Field; 2] {
+        if let Some(summary) = part.summary {
+            let corners = part.corners.map(|at| blend(summary.normals, at.b));
+            let unit = Field { corners, curvature: summary.normal_radius };
+            return [unit, self.with_given(part, unit)];
+        }
         let over = |net: &Net| field(&net.within(part.corners.map(|at| at.b)));
         let (normal, direction) = self.normals(part);
         let normal = over(&normal);
@@ -118,6 +125,66 @@ impl<'p> Region<'p> {
         let own = places.map(|b| blend(given, b * mask));
         direction.times(left).add(Field::linear(own))
     }
+}
+
+/// Not unit, over the whole patch; and the directions that go with them, unless they are the same.
+fn normals(patches: &Patches, leaf: &PatchNode) -> (Net, Option<Net>) {
+    if let Some([normal, direction]) = patches.normals(leaf) {
+        return (normal, Some(direction));
+    }
+    let net = patches.position(leaf);
+    let [u, v] = [net.along(DVec3::new(-1.0, 1.0, 0.0)), net.along(DVec3::new(-1.0, 0.0, 1.0))];
+    let size = u.longest().max(v.longest()).max(f64::MIN_POSITIVE);
+    let by = 1.0 / size;
+    let sized = |net: &Net, by: f64| Net::new(net.degree, |j, k| net.point(j, k) * by);
+    (sized(&u, by).cross(&sized(&v, by * f64::from(leaf.side))), None)
+}
+
+/// The summaries of all nodes of one triangle's patches, which begin with the whole triangle.
+#[must_use]
+pub fn summaries(patches: &Patches) -> Vec<Summary> {
+    let mut all = vec![Summary::default(); patches.nodes.len()];
+    // Parts come after what they are parts of.
+    for (k, node) in patches.nodes.iter().enumerate().rev() {
+        all[k] = if node.parts == NONE {
+            of_leaf(patches, node)
+        } else {
+            let first = node.parts as usize;
+            of_parts([0, 1, 2, 3].map(|part| all[first + part]))
+        };
+    }
+    all
+}
+
+fn of_leaf(patches: &Patches, leaf: &PatchNode) -> Summary {
+    let (net, origin) = (patches.position(leaf), patches.origin(leaf));
+    let corners = net.corners();
+    let unit = sized(field(&normals(patches, leaf).0)).unit();
+    Summary {
+        places: corners.map(|p| origin + p),
+        place_radius: net.less(corners).longest(),
+        normals: unit.corners,
+        normal_radius: unit.curvature,
+    }
+}
+
+/// Corner k of the middle part lies across from corner k.
+fn of_parts(parts: [Summary; 4]) -> Summary {
+    let places = [0, 1, 2].map(|k| parts[k].places[k]);
+    let normals = [0, 1, 2].map(|k| parts[k].normals[k]);
+    let mut whole = Summary { places, normals, ..Summary::default() };
+    for (n, part) in parts.iter().enumerate() {
+        for k in 0..3 {
+            let corner = [DVec3::X, DVec3::Y, DVec3::Z][k];
+            let at =
+                if n == 3 { 0.5 * (DVec3::ONE - corner) } else { 0.5 * (corner + [DVec3::X, DVec3::Y, DVec3::Z][n]) };
+            let place = part.places[k].distance(blend(places, at)) + part.place_radius;
+            let normal = part.normals[k].distance(blend(normals, at)) + part.normal_radius;
+            whole.place_radius = whole.place_radius.max(place);
+            whole.normal_radius = whole.normal_radius.max(normal);
+        }
+    }
+    whole
 }
 
 /// Keeps what has `f` at or above 0; what only touches goes, unless it is all there is.
@@ -162,9 +229,13 @@ fn sized(field: Field) -> Field {
 
 /// How far the base is from straight between its places at the corners of the patch; 0 where it is flat.
 pub(super) fn bend(patch: &Patch<'_>) -> f64 {
-    let Some(region) = Region::new(patch, patch.corners) else { return 0.0 };
+    let Some(region) = Region::new(patch, patch.corners, SMALL_BEND * patch.resolution) else { return 0.0 };
     let places = corner_fields(patch).map(|fields| fields.position.x_axis);
     let of_part = |part: &Part| {
+        if let Some(summary) = part.summary {
+            let apart = |at: &At| blend(summary.places, at.b).distance(blend(places, at.share));
+            return part.corners.iter().map(apart).fold(0.0, f64::max) + summary.place_radius;
+        }
         let origin = region.patches.origin(&part.leaf);
         let straight = part.corners.map(|at| blend(places, at.share) - origin);
         region.position(part).within(part.corners.map(|at| at.b)).less(straight).longest()
@@ -174,7 +245,7 @@ pub(super) fn bend(patch: &Patch<'_>) -> f64 {
 
 /// Unit normals and directions over the patch; none where the base is flat.
 pub(super) fn frame(patch: &Patch<'_>) -> Option<[Field; 2]> {
-    let region = Region::new(patch, patch.corners)?;
+    let region = Region::new(patch, patch.corners, SMALL_BEND * patch.resolution)?;
     let at_corners = corner_fields(patch);
     let values = [at_corners.map(|f| f.normal.x_axis), at_corners.map(|f| f.direction.x_axis)];
     let mut curvature = [0.0f64; 2];
@@ -206,7 +277,7 @@ pub(super) fn at(patch: &Patch<'_>, b: DVec3) -> Option<[[f64; 3]; 2]> {
 
 /// Position and normal, not unit, over the region with these corners, with slopes along its first two sides.
 pub(super) fn bounds(patch: &Patch<'_>, corners: [DVec3; 3]) -> Option<[[IntervalJet; 3]; 2]> {
-    let region = Region::new(patch, corners)?;
+    let region = Region::new(patch, corners, 0.0)?;
     let of_part = |part: &Part| {
         let origin = region.patches.origin(&part.leaf);
         let (normal, _) = region.normals(part);
@@ -227,9 +298,10 @@ fn jets(region: &Region<'_>, part: &Part, net: &Net, origin: DVec3) -> [Interval
     let value = net.within(places);
     let slopes = [0, 1].map(|k| net.along(region.side(part, k)).within(places));
     let interval = |net: &Net, k: usize, from: f64| {
-        let ends = net.points().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-            (low.min(p[k]), high.max(p[k]))
-        });
+        let ends = net
+            .points()
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[k]), high.max(p[k])));
         Interval::new(ends.0 + from, ends.1 + from).widened()
     };
     [0, 1, 2].map(|k| IntervalJet::new(interval(&value, k, origin[k]), [0, 1].map(|s| interval(&slopes[s], k, 0.0))))

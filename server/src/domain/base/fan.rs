@@ -79,7 +79,8 @@ fn gvs(mesh: &Mesh, t: u32) -> [u32; 3] {
 /// The other triangle of the edge between two vertices of triangle t; none unless it has exactly two.
 fn across(mesh: &Mesh, t: u32, a: u32, b: u32) -> u32 {
     let corners = gvs(mesh, t);
-    let is_side = |k: &usize| [corners[*k], corners[(k + 1) % 3]] == [a, b] || [corners[*k], corners[(k + 1) % 3]] == [b, a];
+    let is_side =
+        |k: &usize| [corners[*k], corners[(k + 1) % 3]] == [a, b] || [corners[*k], corners[(k + 1) % 3]] == [b, a];
     let Some(side) = (0..3).find(is_side) else { return NONE };
     let ge = mesh.ae_ge[mesh.triangles[t as usize].ae[side] as usize];
     match mesh.ge_side.list(ge as usize) {

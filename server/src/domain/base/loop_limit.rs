@@ -11,6 +11,7 @@ use displace_glsl::{
     bezier::Net,
     layout::geometry::NONE,
     patches::{PatchNode, Patches, on_edge},
+    reference::bound::summaries,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -64,7 +65,10 @@ fn vertex(mesh: &Mesh, gv: usize) -> Vertex {
     let kind = kind(mesh, corners, &fan);
     let corner = fan.corner(mesh, kind);
     let whole = fan.triangles.len() == corners.len();
-    let turns = fan.triangles.iter().any(|(t, turned)| facing(mesh, *t) != facing(mesh, fan.first()) * if *turned { -1.0 } else { 1.0 });
+    let turns = fan
+        .triangles
+        .iter()
+        .any(|(t, turned)| facing(mesh, *t) != facing(mesh, fan.first()) * if *turned { -1.0 } else { 1.0 });
     let normal = (corner.normal() * facing(mesh, fan.first())).try_normalize().filter(|_| whole && !turns);
     Vertex { kind, limit: Some(corner.limit()), normal }
 }
@@ -103,6 +107,7 @@ fn whole(mesh: &Mesh, vertices: &[Vertex], t: usize, smallest: f64) -> Patches {
         let directions = gvs.map(|gv| mesh.gv_direction[gv]);
         parts.made.nodes[0].given = parts.add([mask, directions[0], directions[1], directions[2]]);
     }
+    parts.made.summaries = summaries(&parts.made);
     parts.made
 }
 
@@ -178,7 +183,7 @@ fn joined(mesh: &Mesh, parts: Vec<Patches>) -> Result<Patches> {
     }
     let mut all = Patches { edges: edges(mesh), ..Patches::default() };
     let mut next = parts.len() as u32;
-    let mut rest = Vec::new();
+    let (mut rest, mut summaries) = (Vec::new(), Vec::new());
     for part in parts {
         let points = all.points.len() as u32;
         let moved = |index: u32, by: u32| if index == NONE { NONE } else { index + by };
@@ -194,8 +199,11 @@ fn joined(mesh: &Mesh, parts: Vec<Patches>) -> Result<Patches> {
         rest.extend(part.nodes[1..].iter().map(node));
         next += part.nodes.len() as u32 - 1;
         all.points.extend(part.points);
+        all.summaries.push(part.summaries[0]);
+        summaries.extend_from_slice(&part.summaries[1..]);
     }
     all.nodes.extend(rest);
+    all.summaries.extend(summaries);
     Ok(all)
 }
 

@@ -1,10 +1,7 @@
 //! PN triangles (Vlachos, Peters, Boyd and Mitchell 2001), with edges that all sides share as in PN-AEN (McDonald and
 //! Kilgard 2010).
 
-use displace_glsl::{
-    bezier::Net,
-    patches::Patches,
-};
+use displace_glsl::{bezier::Net, patches::Patches};
 use glam::DVec3;
 
 use super::{End, ends, of_edges, one_each, place, quadratic, side, wide};

@@ -40,7 +40,11 @@ impl Polynomial {
     /// By x (axis 0) or y.
     pub(super) fn derivative(&self, axis: usize) -> Self {
         let coefficient = |m: usize, n: usize| {
-            if axis == 0 { self.coefficient(m + 1, n) * (m + 1) as f64 } else { self.coefficient(m, n + 1) * (n + 1) as f64 }
+            if axis == 0 {
+                self.coefficient(m + 1, n) * (m + 1) as f64
+            } else {
+                self.coefficient(m, n + 1) * (n + 1) as f64
+            }
         };
         Self::new(self.degree.saturating_sub(1), coefficient)
     }

@@ -40,10 +40,20 @@ enum Source {
 
 /// Where layers are evaluated.
 pub(super) enum Site<'p, N: Parameter> {
-    Triangle { t: usize, av: [u32; 3], place: &'p N::Place },
-    Edge { ae: u32, av: [u32; 2], along: N },
+    Triangle {
+        t: usize,
+        av: [u32; 3],
+        place: &'p N::Place,
+    },
+    Edge {
+        ae: u32,
+        av: [u32; 2],
+        along: N,
+    },
     /// An attribute vertex.
-    Corner { av: u32 },
+    Corner {
+        av: u32,
+    },
 }
 
 impl<N: Parameter> Site<'_, N> {
