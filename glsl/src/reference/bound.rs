@@ -9,11 +9,12 @@ mod field;
 mod layers;
 mod ramps;
 mod smooth;
+mod summary;
 mod texels;
 
 use glam::DVec3;
 
-pub use smooth::summaries;
+pub use summary::summaries;
 
 use super::place::Places;
 use crate::patches::inside;

@@ -128,7 +128,7 @@ impl<'p> Region<'p> {
 }
 
 /// Not unit, over the whole patch; and the directions that go with them, unless they are the same.
-fn normals(patches: &Patches, leaf: &PatchNode) -> (Net, Option<Net>) {
+pub(super) fn normals(patches: &Patches, leaf: &PatchNode) -> (Net, Option<Net>) {
     if let Some([normal, direction]) = patches.normals(leaf) {
         return (normal, Some(direction));
     }
@@ -138,53 +138,6 @@ fn normals(patches: &Patches, leaf: &PatchNode) -> (Net, Option<Net>) {
     let by = 1.0 / size;
     let sized = |net: &Net, by: f64| Net::new(net.degree, |j, k| net.point(j, k) * by);
     (sized(&u, by).cross(&sized(&v, by * f64::from(leaf.side))), None)
-}
-
-/// The summaries of all nodes of one triangle's patches, which begin with the whole triangle.
-#[must_use]
-pub fn summaries(patches: &Patches) -> Vec<Summary> {
-    let mut all = vec![Summary::default(); patches.nodes.len()];
-    // Parts come after what they are parts of.
-    for (k, node) in patches.nodes.iter().enumerate().rev() {
-        all[k] = if node.parts == NONE {
-            of_leaf(patches, node)
-        } else {
-            let first = node.parts as usize;
-            of_parts([0, 1, 2, 3].map(|part| all[first + part]))
-        };
-    }
-    all
-}
-
-fn of_leaf(patches: &Patches, leaf: &PatchNode) -> Summary {
-    let (net, origin) = (patches.position(leaf), patches.origin(leaf));
-    let corners = net.corners();
-    let unit = sized(field(&normals(patches, leaf).0)).unit();
-    Summary {
-        places: corners.map(|p| origin + p),
-        place_radius: net.less(corners).longest(),
-        normals: unit.corners,
-        normal_radius: unit.curvature,
-    }
-}
-
-/// Corner k of the middle part lies across from corner k.
-fn of_parts(parts: [Summary; 4]) -> Summary {
-    let places = [0, 1, 2].map(|k| parts[k].places[k]);
-    let normals = [0, 1, 2].map(|k| parts[k].normals[k]);
-    let mut whole = Summary { places, normals, ..Summary::default() };
-    for (n, part) in parts.iter().enumerate() {
-        for k in 0..3 {
-            let corner = [DVec3::X, DVec3::Y, DVec3::Z][k];
-            let at =
-                if n == 3 { 0.5 * (DVec3::ONE - corner) } else { 0.5 * (corner + [DVec3::X, DVec3::Y, DVec3::Z][n]) };
-            let place = part.places[k].distance(blend(places, at)) + part.place_radius;
-            let normal = part.normals[k].distance(blend(normals, at)) + part.normal_radius;
-            whole.place_radius = whole.place_radius.max(place);
-            whole.normal_radius = whole.normal_radius.max(normal);
-        }
-    }
-    whole
 }
 
 /// Keeps what has `f` at or above 0; what only touches goes, unless it is all there is.
@@ -212,17 +165,17 @@ fn clipped(polygon: Vec<At>, f: impl Fn(DVec3) -> f64) -> Vec<At> {
     kept
 }
 
-fn blend(corners: [DVec3; 3], share: DVec3) -> DVec3 {
+pub(super) fn blend(corners: [DVec3; 3], share: DVec3) -> DVec3 {
     corners[0] * share.x + corners[1] * share.y + corners[2] * share.z
 }
 
-fn field(net: &Net) -> Field {
+pub(super) fn field(net: &Net) -> Field {
     let corners = net.corners();
     Field { corners, curvature: net.less(corners).longest() }
 }
 
 /// At a length near 1: only the direction counts.
-fn sized(field: Field) -> Field {
+pub(super) fn sized(field: Field) -> Field {
     let by = 1.0 / field.most().max(f64::MIN_POSITIVE);
     Field { corners: field.corners.map(|c| c * by), curvature: field.curvature * by }
 }
