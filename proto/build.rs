@@ -6,6 +6,7 @@ use prost::Message as _;
 
 const PROTOS: [&str; 6] = [
     "displace/v1/common.proto",
+    "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",

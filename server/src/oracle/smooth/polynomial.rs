@@ -20,7 +20,7 @@ impl Polynomial {
         let coefficient = |m: usize, n: usize| {
             let mut sum = DVec3::ZERO;
             for (j, k) in (0..=m).flat_map(|j| (0..=n).map(move |k| (j, k))) {
-                let sign = if (m - j + n - k) % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if (m - j + n - k).is_multiple_of(2) { 1.0 } else { -1.0 };
                 sum += sign * choose(m, j) * choose(n, k) * point(index(degree, j, k));
             }
             sum * choose(degree, m + n) * choose(m + n, n)
