@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 6] = [
+const PROTOS: [&str; 7] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
