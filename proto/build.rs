@@ -4,8 +4,9 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 7] = [
+const PROTOS: [&str; 8] = [
     "displace/v1/common.proto",
+    "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
     "displace/v1/geometry.proto",
     "displace/v1/request.proto",

@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
-pub(crate) use geometry::{ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
+pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use look::LookArgs;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
@@ -263,6 +263,9 @@ pub(crate) struct MeasureArgs {
     pub(crate) result: PathBuf,
     #[command(flatten)]
     pub(crate) detail: DetailArgs,
+    /// The smooth surface under the reference's detail
+    #[arg(long, value_enum, default_value = "flat", help_heading = "Geometry")]
+    pub(crate) base: BaseArg,
     /// How the sides of the reference's seams become one
     #[arg(long, value_enum, default_value = "mean", help_heading = "Geometry")]
     pub(crate) seams: SeamsArg,

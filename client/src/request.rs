@@ -17,7 +17,7 @@ use crate::{
     transfer::Blob,
 };
 
-pub(crate) use geometry::{geometry, seams};
+pub(crate) use geometry::{base, geometry, seams};
 
 /// Blobs to upload, gathered while a request is made.
 #[derive(Debug, Default)]

@@ -25,6 +25,7 @@ struct BaseTriangle {
 struct BaseEdge {
     uvec2 av;
     uint detail;
+    uint patch_code; // where it lies on a smooth base
 };
 
 // Fine vertices inside one base triangle; 0 for n of 1 and 2.

@@ -7,6 +7,7 @@ struct Sample {
     uvec3 av;
     uint detail;
     vec2 b;
+    uint patch_code; // where the site lies on a smooth base
     vec3 weight;
     vec2 turn;
 };

@@ -44,17 +44,20 @@ const uint SEAM_EDGES = 4u;
 const uint PLACES = 5u;
 const uint OWN = 3u;
 
-const Sample NOTHING = Sample(uvec3(0u), NONE, vec2(0.0), vec3(0.0), vec2(0.0));
+const Sample NOTHING = Sample(uvec3(0u), NONE, vec2(0.0), 0u, vec3(0.0), vec2(0.0));
+// Site.patch_code of a place at an attribute vertex.
+const uint AT_VERTEX = 0xffffffffu;
 const vec3 FULL = vec3(1.0, 0.0, 0.0);
 
 Sample corner_sample(const uint at) {
     SeamSide corner = LOAD(seam_corners, at);
-    return Sample(uvec3(corner.id), corner.detail, vec2(0.0), FULL, vec2(1.0));
+    return Sample(uvec3(corner.id), corner.detail, vec2(0.0), AT_VERTEX, FULL, vec2(1.0));
 }
 
 Sample edge_sample(const uint side, const float t) {
     SeamSide entry = LOAD(seam_sides, side);
-    return Sample(LOAD(base_edges, entry.id).av.xyy, entry.detail, vec2(t, 0.0), FULL, vec2(1.0));
+    BaseEdge edge = LOAD(base_edges, entry.id);
+    return Sample(edge.av.xyy, entry.detail, vec2(t, 0.0), edge.patch_code, FULL, vec2(1.0));
 }
 
 // Component k of the barycentrics, as a jet.
@@ -137,7 +140,7 @@ Sample sample_at(const uint index) {
     vec2 b = weights_at(index, t);
     BaseTriangle triangle = LOAD(base_triangles, t);
     if (params.side == OWN) {
-        return Sample(triangle.av, triangle.detail, b, FULL, vec2(1.0));
+        return Sample(triangle.av, triangle.detail, b, 8u * t, FULL, vec2(1.0));
     }
     return ramp_sample(t, triangle, vec3(1.0 - b.x - b.y, b));
 }

@@ -4,12 +4,15 @@
 struct Site {
     uvec3 av;
     vec3 b;
+    // On a smooth base: 8 × the base triangle, + 1 + 2 × side, + 1 against the triangle, of a place on an edge; all bits
+    // set at an attribute vertex.
+    uint patch_code;
 };
 
 // t runs along the ae, so that both sides of a seam blend the same numbers in the same order.
 Site edge_site(const uint edge, const float t) {
-    uvec2 av = LOAD(base_edges, edge).av;
-    return Site(av.xyy, vec3(1.0 - t, t, 0.0));
+    BaseEdge base = LOAD(base_edges, edge);
+    return Site(base.av.xyy, vec3(1.0 - t, t, 0.0), base.patch_code);
 }
 
 // Site of vertex `index` of a block of fine vertices.
@@ -17,7 +20,7 @@ Site site_of(const Lattice lattice, const uint block, const uint index) {
     uint n = 1u << lattice.level;
     float step = 1.0 / float(n);
     if (block == CORNERS) {
-        return Site(uvec3(index), vec3(1.0, 0.0, 0.0));
+        return Site(uvec3(index), vec3(1.0, 0.0, 0.0), 0xffffffffu);
     }
     if (block == EDGES) {
         uint edge = index / (n - 1u);
@@ -26,5 +29,5 @@ Site site_of(const Lattice lattice, const uint block, const uint index) {
     uint points = interior_points(n);
     uint t = index / points;
     uvec2 ij = interior_point(n, index - t * points);
-    return Site(LOAD(base_triangles, t).av, vec3(n - ij.x - ij.y, ij) * step);
+    return Site(LOAD(base_triangles, t).av, vec3(n - ij.x - ij.y, ij) * step, 8u * t);
 }

@@ -42,3 +42,4 @@ pub mod lists;
 pub mod raster;
 pub mod refine;
 pub mod simplify;
+pub mod smooth;

@@ -1,9 +1,11 @@
 //! Compute shaders as data, their checked layouts, and the f64 twin of every pass. No GPU API here.
 
+pub mod bezier;
 pub mod expression;
 pub mod lattice;
 pub mod layout;
 pub mod methods;
+pub mod patches;
 pub mod reference;
 pub mod tables;
 

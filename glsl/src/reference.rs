@@ -32,6 +32,7 @@ pub mod samples;
 pub mod scan;
 pub mod shade;
 pub mod site;
+pub mod smooth;
 pub mod sort;
 pub mod subdivide;
 pub mod surface;

@@ -1,9 +1,12 @@
 //! The base mesh and its details as flat tables: what the geometry passes and their twins read. The host
 //! builds them (`server/src/render/passes`); nothing here decides anything.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
-use crate::layout::geometry::{BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide};
+use crate::{
+    layout::geometry::{BaseEdge, BaseTriangle, Correction, Instruction, Lattice, Layer, NONE, Seam, SeamSide},
+    patches::Patches,
+};
 
 /// All tables of one base mesh. Names are those of the shaders' bindings.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +19,8 @@ pub struct Tables {
     pub av_normal: Vec<[f32; 3]>,
     /// Empty unless a layer reads tangents.
     pub av_tangent: Vec<[f32; 4]>,
+    /// Of a base that is not flat.
+    pub patches: Option<Arc<Patches>>,
     pub base_edges: Vec<BaseEdge>,
     pub base_triangles: Vec<BaseTriangle>,
     /// Direction a base triangle's fine triangles should face; zero where it has none.

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `field.rs` | a map as the bilinear function it stands for |
 //! | `surface.rs`, `surface/` | where the displaced surface is, and how far a triangle may be from it |
+//! | `smooth.rs`, `smooth/` | smooth bases as polynomials |
 //! | `parameter.rs`, `interval_jet.rs` | numbers, derivatives and bounds the surface is evaluated with |
 //! | `dicing.rs`, `dicing/` | the surface as triangles with a certified residual |
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
@@ -39,6 +40,7 @@ pub mod predicates;
 pub mod ray;
 pub mod samples;
 pub mod sheet;
+pub mod smooth;
 pub mod surface;
 #[cfg(test)]
 mod test_maps;

@@ -7,7 +7,7 @@ mod judge;
 mod uvs;
 
 use displace_server::{
-    domain::request::{ErrorAt, Geometry, Quality, Refinement, Tolerance},
+    domain::request::{Base, ErrorAt, Geometry, Quality, Refinement, Tolerance},
     oracle::invariants,
 };
 use displace_tests::{device, surfaces::displace};
@@ -17,6 +17,8 @@ use judge::farthest;
 
 /// Seeded combinations of meshes, details, seams and tolerances.
 const COMBINATIONS: u64 = 200;
+/// The first of them, over smooth bases in turn.
+const SMOOTH_COMBINATIONS: u64 = 12;
 
 /// What a tolerance asks of the case, as a share of the diagonal.
 fn geometry(case: &Case, quality: Quality) -> Geometry {
@@ -55,4 +57,23 @@ fn no_place_of_two_hundred_results_is_farther_than_the_tolerance() {
     // Many base meshes keep the coarser tolerances as they are; a bound far above what is found would waste triangles.
     assert!(median > 0.15, "the median result keeps {median} of its tolerance");
     assert!(beyond_the_budget.len() < 20, "{beyond_the_budget:#?}");
+}
+
+#[test]
+fn smooth_bases_keep_their_tolerance_too() {
+    let mut shares: Vec<f64> = Vec::new();
+    for seed in 0..SMOOTH_COMBINATIONS {
+        let base = [Base::Pn, Base::Phong, Base::Loop][(seed % 3) as usize];
+        let case = seeded(seed).over(base);
+        let (share, _) = share_of_tolerance(&case, &geometry(&case, Quality::Normal));
+        assert!(share <= 1.0, "{case}: {share} of the tolerance");
+        shares.push(share);
+    }
+    shares.sort_by(f64::total_cmp);
+    eprintln!(
+        "share of the tolerance: median {:.3}, largest {:.3}",
+        shares[shares.len() / 2],
+        shares[shares.len() - 1]
+    );
+    assert!(shares[shares.len() / 2] > 0.15, "bounds are far above what is found");
 }

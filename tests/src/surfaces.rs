@@ -10,7 +10,7 @@ use displace_server::{
         expression::Program,
         mesh::Mesh,
         plan::SurfacePlan,
-        request::{Geometry, Normals, Refinement, SeamRule, Tolerance},
+        request::{Base, Geometry, Normals, Refinement, SeamRule, Tolerance},
         scene::{Instance, Scene, SceneMesh},
         surface::Surface,
         weld::{PrimitiveInput, VertexAttribute, weld, with_tangents},
@@ -29,6 +29,7 @@ pub fn uniform(level: u32) -> Geometry {
         normals: Normals::Analytic,
         seams: SeamRule::Mean,
         feather_texels: 3.0,
+        base: Base::Flat,
     }
 }
 

@@ -37,6 +37,10 @@ pub(crate) struct GeometryArgs {
     /// Texels of a side of that map, 4 to 4096 [default: those of the largest map, or 1024]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
     pub(crate) normal_map_size: Option<u32>,
+    /// The smooth surface under the detail: the triangles themselves, PN triangles, Phong tessellation, or the limit
+    /// of Loop's subdivision
+    #[arg(long, value_enum, default_value = "flat")]
+    pub(crate) base: BaseArg,
     /// How the sides of a seam become one
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) seams: SeamsArg,
@@ -84,6 +88,15 @@ pub(crate) enum NormalsArg {
     Analytic,
     Geometric,
     Map,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BaseArg {
+    #[default]
+    Flat,
+    Pn,
+    Phong,
+    Loop,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

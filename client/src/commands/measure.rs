@@ -43,13 +43,24 @@ async fn request(
     let (mesh, result) = (args.mesh.clone(), args.result.clone());
     let (fresh, linger_secs) = (session.global.fresh, Some(session.connection().await?.linger_secs));
     let (seams, feather_texels) = (request::seams(args.seams).into(), Some(args.feather));
+    let base = request::base(args.base).into();
     let (precision, colors) = (Some(args.precision), args.output.is_some());
     blocking(move || {
         let mut parcel = Parcel::default();
         let (mesh, result) = (Some(parcel.mesh(&mesh)?), Some(parcel.mesh(&result)?));
         let details = parcel.details(&groups)?;
-        let message =
-            MeasureRequest { mesh, details, seams, feather_texels, result, precision, colors, fresh, linger_secs };
+        let message = MeasureRequest {
+            mesh,
+            details,
+            seams,
+            feather_texels,
+            result,
+            precision,
+            colors,
+            fresh,
+            linger_secs,
+            base,
+        };
         Ok((message, parcel))
     })
     .await

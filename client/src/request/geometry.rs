@@ -2,7 +2,7 @@
 
 use displace_proto::v1::{self, geometry::Refinement, tolerance::Allowed};
 
-use crate::args::{ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg, values::View};
+use crate::args::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg, values::View};
 
 pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
     v1::Geometry {
@@ -17,6 +17,7 @@ pub(crate) fn geometry(args: &GeometryArgs) -> v1::Geometry {
         seams: seams(args.seams).into(),
         feather_texels: Some(args.feather),
         normal_map_size: args.normal_map_size.unwrap_or(0),
+        base: base(args.base).into(),
     }
 }
 
@@ -66,6 +67,15 @@ pub(crate) fn seams(seams: SeamsArg) -> v1::SeamRule {
     match seams {
         SeamsArg::Mean => v1::SeamRule::Mean,
         SeamsArg::Dominant => v1::SeamRule::Dominant,
+    }
+}
+
+pub(crate) fn base(base: BaseArg) -> v1::Base {
+    match base {
+        BaseArg::Flat => v1::Base::Flat,
+        BaseArg::Pn => v1::Base::Pn,
+        BaseArg::Phong => v1::Base::Phong,
+        BaseArg::Loop => v1::Base::Loop,
     }
 }
 

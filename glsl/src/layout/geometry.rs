@@ -28,6 +28,8 @@ mirrors! {
     pub struct BaseEdge {
         pub av: [u32; 2],
         pub detail: u32,
+        /// Where it lies on a smooth base; see `patches::on_edge`.
+        pub patch_code: u32,
     }
 
     /// How lattice coordinates along one axis of a map become texels.
@@ -79,6 +81,8 @@ mirrors! {
         pub av: [u32; 3],
         pub detail: u32,
         pub b: [f32; 2],
+        /// Where the site lies on a smooth base; see `patches`.
+        pub patch_code: u32,
         pub weight: [f32; 3],
         pub turn: [f32; 2],
     }

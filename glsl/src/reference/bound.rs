@@ -1,7 +1,8 @@
 //! How far at most the displaced surface is from a triangle with corners on it, over the same part of the base: an upper
 //! bound of the distance from the surface to the triangle, and back. Twin of the `bound_*` passes.
 //!
-//! Maps are bounded exactly (`texels`), what bends besides by second order terms (`field`), expressions by intervals.
+//! Maps are bounded exactly (`texels`), what bends besides by second order terms (`field`), expressions by intervals, smooth
+//! bases by control nets (`smooth`).
 
 mod expression;
 mod field;
@@ -11,6 +12,8 @@ mod linear;
 mod pyramid;
 mod ramps;
 mod search;
+mod smooth;
+mod summary;
 mod texels;
 
 pub use lattice::Lattice;
@@ -18,7 +21,10 @@ pub use pyramid::Pyramid;
 
 use glam::DVec3;
 
+pub use summary::summaries;
+
 use super::place::Places;
+use crate::patches::inside;
 
 /// What is asked of the bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,8 +42,10 @@ const RESOLUTION: f64 = 1.0 / 16.0;
 pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tolerance: f64, most: f64) -> f64 {
     let triangle = &places.tables.base_triangles[t as usize];
     let (resolution, cap) = (RESOLUTION * tolerance, most * tolerance);
-    let patch = layers::Patch { places, asked, av: triangle.av, detail: triangle.detail, corners, resolution };
-    let own = patch.bound(cap);
+    let (av, detail) = (triangle.av, triangle.detail);
+    let patch = layers::Patch { places, asked, av, patch: inside(t), detail, corners, resolution };
+    let bend = smooth::bend(&patch);
+    let own = bend + if bend > cap { 0.0 } else { patch.bound(cap - bend) };
     if own.is_nan() {
         return f64::INFINITY;
     }

@@ -2,7 +2,10 @@
 
 use glam::{DMat3, DVec3, Vec3Swizzles};
 
-use super::site::{Site, vector};
+use super::{
+    site::{Site, vector},
+    smooth::{self, Fields},
+};
 use crate::tables::Tables;
 
 /// Shortest blended normal a direction is divided by: opposite normals would send it to infinity.
@@ -68,13 +71,12 @@ pub struct Frame {
 
 #[must_use]
 pub fn frame_at(tables: &Tables, site: &Site) -> Frame {
-    let of = |table: &[[f32; 4]]| jet(site.b, site.av.map(|av| vector(&table[av as usize])));
+    let Fields { position, normal, direction } = smooth::fields(tables, site);
     let w = |table: &[[f32; 4]]| scalar_jet(site.b, site.av.map(|av| f64::from(table[av as usize][3])));
-    let normal = jet(site.b, site.av.map(|av| vector(&tables.av_normal[av as usize])));
     Frame {
-        position: of(&tables.av_position_u),
+        position,
         normal: product(inverse_length(normal, 1e-12), normal),
-        direction: product(inverse_length(normal, MIN_BLENDED_NORMAL), of(&tables.av_direction_v)),
+        direction: product(inverse_length(normal, MIN_BLENDED_NORMAL), direction),
         u: w(&tables.av_position_u),
         v: w(&tables.av_direction_v),
     }

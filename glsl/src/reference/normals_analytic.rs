@@ -3,9 +3,10 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    frame::{self, Jet},
+    frame::Jet,
     samples::Sample,
     site::vector,
+    smooth::{self, Fields},
 };
 use crate::tables::Tables;
 
@@ -17,16 +18,19 @@ pub fn normal(tables: &Tables, corner: Option<u32>, contributions: &[(Sample, Je
     let sum: DVec3 = contributions.iter().map(|(own, d)| displaced(tables, own, *d)).sum();
     let base: DVec3 = match corner {
         Some(av) => vector(&tables.av_normal[av as usize]),
-        None => contributions.iter().map(|(own, _)| own.site.blend_table(&tables.av_normal)).sum::<DVec3>().normalize(),
+        None => contributions
+            .iter()
+            .map(|(own, _)| smooth::fields(tables, &own.site).normal.x_axis)
+            .sum::<DVec3>()
+            .normalize(),
     };
     if moved && sum.length() > 1e-6 { sum.normalize() } else { base }
 }
 
 /// Unit normal of one displaced base triangle, on the side of its shading normal; zero where undefined.
 fn displaced(tables: &Tables, own: &Sample, d: Jet) -> DVec3 {
-    let site = &own.site;
-    let n = site.blend_table(&tables.av_normal).normalize();
-    let p = frame::jet(site.b, site.av.map(|av| vector(&tables.av_position_u[av as usize])));
+    let Fields { position: p, normal, .. } = smooth::fields(tables, &own.site);
+    let n = normal.x_axis.normalize();
     let along = |p: DVec3, d: DVec3| p - n * n.dot(p) + d;
     let side = p.y_axis.cross(p.z_axis).dot(n);
     let normal = along(p.y_axis, d.y_axis).cross(along(p.z_axis, d.z_axis)).normalize_or_zero();

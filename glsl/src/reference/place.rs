@@ -57,7 +57,7 @@ impl<'t> Places<'t> {
         let tables = self.tables;
         for (triangle, base) in tables.base_triangles.iter().zip(&self.base.triangles) {
             for (av, gv) in triangle.av.into_iter().zip(base.gv) {
-                let site = Site { av: [av; 3], b: DVec3::X };
+                let site = Site::at_vertex(av);
                 self.corners[gv as usize] = site.position(tables) + self.own(&site, triangle.detail, true);
             }
         }
@@ -74,14 +74,14 @@ impl<'t> Places<'t> {
             self.mismatch = self.mismatch.max(reconciled.mismatch);
             for (av, correction) in corrections {
                 self.av_correction[av as usize] = correction;
-                let site = Site { av: [av; 3], b: DVec3::X };
+                let site = Site::at_vertex(av);
                 self.corners[gv_of[av as usize] as usize] = site.position(tables) + reconciled.displacement;
             }
         }
     }
 
     fn corner_candidate(&self, side: SeamSide) -> DVec3 {
-        self.own(&Site { av: [side.id; 3], b: DVec3::X }, side.detail, true)
+        self.own(&Site::at_vertex(side.id), side.detail, true)
     }
 
     /// A detail's layers at a site.
@@ -138,7 +138,7 @@ impl<'t> Places<'t> {
     #[must_use]
     pub fn inside(&self, t: u32, b: DVec3) -> DVec3 {
         let triangle = &self.tables.base_triangles[t as usize];
-        let site = Site { av: triangle.av, b };
+        let site = Site::inside(self.tables, t, b);
         let position = site.position(self.tables);
         let Some(correction) = self.tables.correction(t) else {
             return position + self.own(&site, triangle.detail, false);

@@ -27,7 +27,7 @@ impl Sample {
     pub fn from_device(sample: &crate::layout::geometry::Sample) -> Self {
         let [b1, b2] = sample.b.map(f64::from);
         Self {
-            site: Site::new(sample.av, b1, b2),
+            site: Site { av: sample.av, b: DVec3::new(1.0 - b1 - b2, b1, b2), patch: sample.patch_code },
             detail: sample.detail,
             weight: DVec3::from_array(sample.weight.map(f64::from)),
             turn: DVec2::from_array(sample.turn.map(f64::from)),
@@ -52,7 +52,7 @@ pub fn sample(tables: &Tables, params: &SamplesParams, index: u32) -> Option<Sam
     match params.block {
         block::SEAM_CORNERS => {
             let side = tables.seam_corners[index as usize];
-            Some(Sample::whole(Site { av: [side.id; 3], b: DVec3::X }, side.detail))
+            Some(Sample::whole(Site::at_vertex(side.id), side.detail))
         }
         block::SEAM_EDGES => {
             let side = tables.seam_sides[(index / (n - 1)) as usize];
@@ -69,7 +69,7 @@ pub fn sample(tables: &Tables, params: &SamplesParams, index: u32) -> Option<Sam
 #[must_use]
 pub fn vertex_sample(tables: &Tables, params: &SamplesParams, t: u32, b1: f64, b2: f64) -> Option<Sample> {
     let triangle = &tables.base_triangles[t as usize];
-    let site = Site::new(triangle.av, b1, b2);
+    let site = Site::inside(tables, t, DVec3::new(1.0 - b1 - b2, b1, b2));
     if params.side == OWN {
         return Some(Sample::whole(site, triangle.detail));
     }

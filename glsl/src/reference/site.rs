@@ -2,27 +2,40 @@
 
 use glam::DVec3;
 
-use crate::{lattice, layout::geometry::block, tables::Tables};
+use super::smooth;
+use crate::{
+    lattice,
+    layout::geometry::{BaseEdge, block},
+    patches,
+    tables::Tables,
+};
 
 /// Three attribute vertices and barycentrics among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
     pub av: [u32; 3],
     pub b: DVec3,
+    /// Where it is on a smooth base; see [`crate::patches`].
+    pub patch: u32,
 }
 
 impl Site {
-    /// From the barycentrics of the second and the third vertex.
     #[must_use]
-    pub fn new(av: [u32; 3], b1: f64, b2: f64) -> Self {
-        Self { av, b: DVec3::new(1.0 - b1 - b2, b1, b2) }
+    pub fn at_vertex(av: u32) -> Self {
+        Self { av: [av; 3], b: DVec3::X, patch: patches::AT_VERTEX }
+    }
+
+    /// In base triangle t, by its barycentrics.
+    #[must_use]
+    pub fn inside(tables: &Tables, t: u32, b: DVec3) -> Self {
+        Self { av: tables.base_triangles[t as usize].av, b, patch: patches::inside(t) }
     }
 
     /// On a base edge, `t` along its ae.
     #[must_use]
     pub fn on_edge(tables: &Tables, edge: u32, t: f64) -> Self {
-        let [from, to] = tables.base_edges[edge as usize].av;
-        Self { av: [from, to, to], b: DVec3::new(1.0 - t, t, 0.0) }
+        let BaseEdge { av: [from, to], patch_code: patch, .. } = tables.base_edges[edge as usize];
+        Self { av: [from, to, to], b: DVec3::new(1.0 - t, t, 0.0), patch }
     }
 
     /// Vertex `index` of a block of fine vertices.
@@ -30,7 +43,7 @@ impl Site {
     pub fn of(tables: &Tables, which: u32, index: u32) -> Self {
         let n = tables.segments();
         match which {
-            block::CORNERS => Self { av: [index; 3], b: DVec3::X },
+            block::CORNERS => Self::at_vertex(index),
             block::EDGES => {
                 let (edge, point) = (index / (n - 1), index % (n - 1));
                 Self::on_edge(tables, edge, f64::from(point + 1) / f64::from(n))
@@ -38,8 +51,8 @@ impl Site {
             _ => {
                 let points = lattice::interior_points(tables.lattice.level) as u32;
                 let (i, j) = lattice::interior_point(tables.lattice.level, u64::from(index % points));
-                let av = tables.base_triangles[(index / points) as usize].av;
-                Self::new(av, i as f64 / f64::from(n), j as f64 / f64::from(n))
+                let [b1, b2] = [i, j].map(|x| x as f64 / f64::from(n));
+                Self::inside(tables, index / points, DVec3::new(1.0 - b1 - b2, b1, b2))
             }
         }
     }
@@ -57,7 +70,10 @@ impl Site {
 
     #[must_use]
     pub fn position(&self, tables: &Tables) -> DVec3 {
-        self.blend_table(&tables.av_position_u)
+        match tables.patches {
+            None => self.blend_table(&tables.av_position_u),
+            Some(_) => smooth::fields(tables, self).position.x_axis,
+        }
     }
 }
 

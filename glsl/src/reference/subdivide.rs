@@ -5,6 +5,7 @@ use glam::{DVec3, DVec4};
 use super::{
     frame::{self, MIN_BLENDED_NORMAL},
     site::{Site, vector},
+    smooth::{self, Fields},
 };
 use crate::{layout::geometry::block, tables::Tables};
 
@@ -29,13 +30,14 @@ pub fn base(tables: &Tables, which: u32, index: u32) -> Base {
 /// At any site; a `corner`'s own normal counts as unit.
 #[must_use]
 pub fn at(tables: &Tables, site: &Site, corner: bool) -> Base {
-    let normal = site.blend_table(&tables.av_normal);
+    let Fields { position, normal, direction } = smooth::fields(tables, site);
+    let (position, normal, direction) = (position.x_axis, normal.x_axis, direction.x_axis);
     let divisor = if corner { 1.0 } else { normal.length().max(MIN_BLENDED_NORMAL) };
     let w = |table: &[[f32; 4]]| frame::scalar_jet(site.b, site.av.map(|av| f64::from(table[av as usize][3]))).x;
     let unit = normal.try_normalize().unwrap_or_else(|| vector(&tables.av_normal[site.av[0] as usize]));
     Base {
-        position: site.position(tables),
-        direction: site.blend_table(&tables.av_direction_v) / divisor,
+        position,
+        direction: direction / divisor,
         uv: [w(&tables.av_position_u), w(&tables.av_direction_v)],
         normal: unit,
         tangent: tangent(tables, site, unit),

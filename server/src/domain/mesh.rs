@@ -1,6 +1,10 @@
 //! The validated base mesh: geometric vertices (one per place), attribute vertices (one per place and
 //! look), and the edges both own. Built once from a glTF mesh; every pass reads it.
 
+use std::sync::Arc;
+
+use displace_glsl::patches::Patches;
+
 /// One base mesh in its own local space: all triangle primitives of one glTF mesh, welded together.
 ///
 /// Words: `gv` geometric vertex, `av` attribute vertex, `ge` geometric edge, `ae` attribute edge.
@@ -38,6 +42,8 @@ pub struct Mesh {
     pub ge_side: Csr,
     pub ae_av: Vec<[u32; 2]>,
     pub ae_ge: Vec<u32>,
+    /// Of a base that is not flat; see [`super::base`]. Loop's moves vertices, after their ids are given.
+    pub patches: Option<Arc<Patches>>,
     pub triangles: Vec<Triangle>,
     pub primitives: Vec<Primitive>,
     pub health: MeshHealth,
@@ -130,6 +136,12 @@ impl Mesh {
     #[must_use]
     pub fn has_tangents(&self, primitive: &Primitive) -> bool {
         self.av_tangent.get(primitive.avs.start as usize).is_some_and(|t| t[3] != 0.0)
+    }
+
+    /// How far a smooth base reaches at most beyond the box of the vertices, along any axis; mesh-local units.
+    #[must_use]
+    pub fn bulge(&self) -> f64 {
+        self.patches.as_ref().map_or(0.0, |patches| patches.bulge(&self.gv_position))
     }
 
     #[must_use]

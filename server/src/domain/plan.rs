@@ -22,7 +22,9 @@ pub const PAGE_ELEMENTS: u64 = 1 << 22;
 pub const MAX_PAGES: u64 = 16;
 /// Details are evaluated for so many samples at a time, and what a sample and its derivatives take.
 const SAMPLES: u64 = 1 << 20;
-const SAMPLE_BYTES: u64 = 80;
+const SAMPLE_BYTES: u64 = 84;
+/// Of a sample over a smooth base, besides.
+const FIELDS_BYTES: u64 = 108;
 /// Deepest uniform level: 4^12 triangles for each base triangle.
 pub const MAX_LEVEL: u32 = 12;
 
@@ -155,7 +157,8 @@ fn device_bytes(mesh: &Mesh, vertices: u64, triangles: u64) -> u64 {
     let attribute_components: u64 = mesh.attributes.iter().map(|a| a.components as u64).sum();
     let per_vertex = 16 + 16 + 16 + 12 + 12 + 4 * attribute_components;
     let base_bytes = mesh.av_gv.len() as u64 * 96 + mesh.ae_av.len() as u64 * 32 + mesh.triangles.len() as u64 * 48;
-    vertices * per_vertex + triangles * 12 + base_bytes + SAMPLES * SAMPLE_BYTES
+    let smooth_bytes = mesh.patches.as_ref().map_or(0, |patches| patches.bytes() + SAMPLES * FIELDS_BYTES);
+    vertices * per_vertex + triangles * 12 + base_bytes + SAMPLES * SAMPLE_BYTES + smooth_bytes
 }
 
 impl From<Normals> for NormalsPlan {

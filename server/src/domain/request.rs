@@ -6,7 +6,9 @@
 mod geometry;
 
 pub use displace_glsl::methods::Method;
-pub use geometry::{Allowed, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance, ToleranceView};
+pub use geometry::{
+    Allowed, Base, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance, ToleranceView,
+};
 use serde::{Deserialize, Serialize};
 
 use super::{

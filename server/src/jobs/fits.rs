@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use crate::domain::{
         mesh::Mesh,
-        request::{Normals, Quality, Refinement, SeamRule},
+        request::{Base, Normals, Quality, Refinement, SeamRule},
         scene::SceneMesh,
     };
 
@@ -108,6 +108,7 @@ mod tests {
             normals: Normals::Analytic,
             seams: SeamRule::Mean,
             feather_texels: 0.0,
+            base: Base::Flat,
         }
     }
 

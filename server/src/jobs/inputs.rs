@@ -10,13 +10,13 @@ use bytes::Bytes;
 
 use crate::{
     domain::{
-        Digest, Error, Result,
+        Digest, Error, Result, base,
         cancel::Progress,
         detail::{Detail, LayerSource},
         gltf, look, maps,
         mesh::Mesh,
         report::{Estimate, PassTime, Report},
-        request::{Compression, DisplaceRequest, Method},
+        request::{Base, Compression, DisplaceRequest, Method},
         scene::Scene,
         surface::Surface,
         weld,
@@ -54,6 +54,11 @@ impl Inputs {
         let details = timed(job.progress, "decode_maps", &mut passes, || details(assets, &scene, request))?;
         job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
+        job.cancel.check()?;
+        if request.geometry.base != Base::Flat {
+            let smooth = || scene.meshes.iter_mut().try_for_each(|m| base::bend(&mut m.mesh, request.geometry.base));
+            timed(job.progress, "base", &mut passes, smooth)?;
+        }
         job.cancel.check()?;
         let mut plans = Plans::make(&mut scene, &request.geometry, limits)?;
         if request.compression != Compression::None {

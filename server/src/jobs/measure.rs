@@ -11,7 +11,7 @@ use crate::{
         Error, ErrorKind, Result, gltf,
         gltf::Painted,
         report::Report,
-        request::{MeasureRequest, Method},
+        request::{Base, MeasureRequest, Method},
         scene::Scene,
     },
     oracle::{
@@ -102,10 +102,11 @@ impl Work for MeasureWork {
 impl MeasureWork {
     /// The surface of each mesh of the reference; none where the mesh itself is the reference.
     fn surfaces<'i>(&self, reference: &'i Inputs) -> Vec<Surface<'i>> {
-        if self.request.reference.method == Method::Flat {
+        let request = &self.request.reference;
+        if request.method == Method::Flat && request.geometry.base == Base::Flat {
             return Vec::new();
         }
-        let choice = SeamChoice::from(&self.request.reference.geometry);
+        let choice = SeamChoice::from(&request.geometry);
         reference.scene.meshes.iter().zip(&reference.details).map(|(m, d)| Surface::new(&m.mesh, d, choice)).collect()
     }
 }

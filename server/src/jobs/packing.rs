@@ -71,7 +71,7 @@ mod tests {
     use crate::domain::{
         fit::Fit,
         mesh::{Mesh, Primitive},
-        request::{Allowed, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance},
+        request::{Allowed, Base, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance},
         scene::SceneMesh,
     };
 
@@ -93,6 +93,7 @@ mod tests {
             normals: Normals::Analytic,
             seams: SeamRule::Mean,
             feather_texels: 0.0,
+            base: Base::Flat,
         };
         let (mut plan, _) = SurfacePlan::within_tolerance(0, scene, &tolerance, &geometry, 1000).unwrap();
         if let TessellationPlan::Tolerance(tolerance) = &mut plan.tessellation {

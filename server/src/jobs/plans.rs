@@ -163,7 +163,7 @@ pub(super) fn keep_back(plan: &mut SurfacePlan, mesh: &Mesh, details: &[Option<A
     let TessellationPlan::Tolerance(tolerance) = &mut plan.tessellation else { return };
     let reach = details.iter().flatten().map(|detail| detail.reach(mesh)).fold(0.0, f64::max);
     // Without a bound it is seen afterwards whether the grid is fine enough.
-    tolerance.keep_back(mesh, if reach.is_finite() { reach } else { 0.0 });
+    tolerance.keep_back(mesh, mesh.bulge() + if reach.is_finite() { reach } else { 0.0 });
 }
 
 /// A tolerance takes as much at least to work on the base alone.

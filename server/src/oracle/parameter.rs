@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::{
     field::Field,
     interval_jet::{IntervalJet, hull},
+    smooth::{Polynomial, Spot},
 };
 
 /// A number that knows how affine functions of the barycentrics and maps look where it is taken.
@@ -24,6 +25,21 @@ pub trait Parameter: Number {
 
     /// The least and the largest it may be.
     fn extremes(self) -> [f64; 2];
+
+    /// The one point, or the corners of the region.
+    fn corners(place: &Self::Place) -> &[DVec3];
+
+    /// The other way round; never of nothing.
+    fn place(corners: &[DVec3]) -> &Self::Place;
+
+    /// A vector polynomial at the point, or over the box, that `spot` is.
+    fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3];
+
+    /// What either of two is; of a point they are the same.
+    fn either(self, other: Self) -> Self;
+
+    /// With derivatives through `along`, where self was taken on the edge from corner `from` to corner `to`.
+    fn chained(self, along: Self, from: usize, to: usize) -> Self;
 
     /// Anything from `lo` to `hi`, with any slopes; asked for only where `extremes` differ.
     fn between(lo: f64, hi: f64) -> Self;
@@ -45,6 +61,21 @@ impl Parameter for f64 {
     #[inline]
     fn field(field: &Field, channel: u32, x: Self, y: Self) -> Self {
         field.value(channel, x, y)
+    }
+    fn corners(place: &DVec3) -> &[DVec3] {
+        std::slice::from_ref(place)
+    }
+    fn place(corners: &[DVec3]) -> &DVec3 {
+        &corners[0]
+    }
+    fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3] {
+        polynomial.first_order(spot.low)[0].to_array()
+    }
+    fn either(self, _: Self) -> Self {
+        self
+    }
+    fn chained(self, _: Self, _: usize, _: usize) -> Self {
+        self
     }
     fn extremes(self) -> [f64; 2] {
         [self; 2]
@@ -75,6 +106,23 @@ impl Parameter for Dual<2> {
         let (by_x, by_y) = (at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
         let slope = |axis: usize| by_x * x.derivative[axis] + by_y * y.derivative[axis];
         Self::new(at(0.0, 0.0), [slope(0), slope(1)])
+    }
+    fn corners(place: &DVec3) -> &[DVec3] {
+        std::slice::from_ref(place)
+    }
+    fn place(corners: &[DVec3]) -> &DVec3 {
+        &corners[0]
+    }
+    fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3] {
+        let [value, by_x, by_y] = polynomial.first_order(spot.low);
+        std::array::from_fn(|k| Self::new(value[k], [spot.scale * by_x[k], spot.scale * by_y[k]]))
+    }
+    fn either(self, _: Self) -> Self {
+        self
+    }
+    fn chained(self, along: Self, from: usize, to: usize) -> Self {
+        let by = |corner: usize| if corner == 0 { 0.0 } else { self.derivative[corner - 1] };
+        Self::new(self.value, along.derivative.map(|d| d * (by(to) - by(from))))
     }
     fn extremes(self) -> [f64; 2] {
         [self.value; 2]
@@ -117,6 +165,32 @@ impl Parameter for IntervalJet {
         let by = |d: Interval, slope: Interval| if is_zero(slope) { slope } else { d.mul(slope) };
         let slope = |axis: usize| by(by_x, x.slope[axis]).add(by(by_y, y.slope[axis]));
         Self::new(value, [slope(0), slope(1)])
+    }
+    fn corners(place: &[DVec3]) -> &[DVec3] {
+        place
+    }
+    fn place(corners: &[DVec3]) -> &[DVec3] {
+        corners
+    }
+    fn polynomial(spot: &Spot, polynomial: &Polynomial) -> [Self; 3] {
+        let middle = [0, 1].map(|k| 0.5 * (spot.low[k] + spot.high[k]));
+        let radius = [0, 1].map(|k| (0.5 * (spot.high[k] - spot.low[k])).next_up());
+        let about = polynomial.about(middle);
+        let (at, spread) = (about.first_order([0.0; 2]), about.spread(radius));
+        let interval = |order: usize, k: usize| {
+            Interval::new(at[order][k] - spread[order][k], at[order][k] + spread[order][k]).widened()
+        };
+        let slope = |order: usize, k: usize| interval(order, k).mul(Interval::constant(spot.scale));
+        std::array::from_fn(|k| Self::new(interval(0, k), [slope(1, k), slope(2, k)]))
+    }
+    fn either(self, other: Self) -> Self {
+        let slope = [0, 1].map(|k| hull(self.slope[k], other.slope[k]));
+        Self::new(hull(self.value, other.value), slope)
+    }
+    fn chained(self, along: Self, from: usize, to: usize) -> Self {
+        let by = |corner: usize| if corner == 0 { Interval::constant(0.0) } else { self.slope[corner - 1] };
+        let slope = by(to).sub(by(from));
+        Self::new(self.value, along.slope.map(|d| if is_zero(d) { d } else { d.mul(slope) }))
     }
     fn extremes(self) -> [f64; 2] {
         [self.value.lo, self.value.hi]

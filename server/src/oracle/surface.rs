@@ -2,8 +2,9 @@
 //! derivatives and with bounds over regions.
 //!
 //! Over a base triangle with barycentrics b, S(b) = P(b) + d(b) + Σ bᵢ δᵢ + Σ ramps, where
-//! * P is the flat base; d the sum of the detail's layers: H D for heights, with D = Σ bᵢ Dᵢ / |Σ bᵢ nᵢ| of
-//!   the welded directions Dᵢ and the corners' normals nᵢ, and T x + B y + D z or (x, y, z) for vectors;
+//! * P is the base; d the sum of the detail's layers: H D for heights, with D = Σ bᵢ Dᵢ / |Σ bᵢ nᵢ| of
+//!   the welded directions Dᵢ and the corners' normals nᵢ over a flat base, and T x + B y + D z or (x, y, z) for
+//!   vectors; a smooth base has positions, normals and directions of its own (`smooth.rs`);
 //! * δᵢ is what corner i is short of the one displacement that its place gets by the seam rule;
 //! * a ramp, along an edge whose sides differ, is what this side is short of the displacement all sides agree
 //!   on there, times max(0, 1 − b_opposite / width).
@@ -16,7 +17,7 @@ use std::sync::Arc;
 use displace_glsl::expression::{Dual, Number};
 use glam::DVec3;
 
-use super::{interval_jet::IntervalJet, parameter::Parameter};
+use super::{interval_jet::IntervalJet, parameter::Parameter, smooth::Bends};
 use crate::domain::{
     detail::Detail,
     mesh::Mesh,
@@ -34,6 +35,8 @@ pub struct Surface<'m> {
     /// The texture coordinates each attribute vertex is read at.
     uv: Vec<[f64; 2]>,
     seams: Seams,
+    /// None where the base is flat.
+    bends: Option<Bends<'m>>,
     /// What [`Surface::deviation`] leaves out at borders of texels, mesh-local units.
     slack: f64,
 }
@@ -59,7 +62,7 @@ impl<'m> Surface<'m> {
         let layers = layer::of_primitives(details);
         let uv = layer::texture_coordinates(mesh, details);
         let slack = layer::slack(mesh, &layers);
-        let mut surface = Self { mesh, layers, uv, seams: Seams::default(), slack };
+        let mut surface = Self { mesh, layers, uv, seams: Seams::default(), bends: Bends::of(mesh), slack };
         surface.seams = Seams::new(&surface, details, choice);
         surface
     }
@@ -82,13 +85,28 @@ impl<'m> Surface<'m> {
         let moved = self.evaluate::<Dual<2>>(t, &b);
         let base = self.base::<Dual<2>>(t, &b);
         let column = |s: &[Dual<2>; 3], k: usize| DVec3::from_array([0, 1, 2].map(|c| s[c].derivative[k]));
-        let n = self.blended_normal(t, b);
+        let n = self.base_normal(t, b);
         let [p1, p2] = [column(&base, 0), column(&base, 1)];
         let along = |k: usize, p: DVec3| column(&moved, k) - n * n.dot(p);
         let side = p1.cross(p2).dot(n);
         let normal = along(0, p1).cross(along(1, p2)).normalize_or_zero();
         let normal = if side == 0.0 || normal == DVec3::ZERO { n } else { normal * side.signum() };
         (DVec3::from_array(moved.map(|c| c.value)), normal)
+    }
+
+    /// Unit, of the base.
+    fn base_normal(&self, t: usize, b: DVec3) -> DVec3 {
+        let bent = self.bends.as_ref().map(|bends| DVec3::from_array(bends.fields::<f64>(t, &b).normal));
+        bent.and_then(DVec3::try_normalize).unwrap_or_else(|| self.blended_normal(t, b))
+    }
+
+    /// The base `t` along a geometric edge.
+    fn edge_base(&self, ge: usize, t: f64) -> DVec3 {
+        if let Some(bends) = &self.bends {
+            return DVec3::from_array(bends.on_edge::<f64>(self.mesh.ge_ae.list(ge)[0], t).position);
+        }
+        let [from, to] = self.mesh.ge_gv[ge].map(|gv| wide(self.mesh.gv_position[gv as usize]));
+        from + (to - from) * t
     }
 
     /// Unit, of the mesh as it is.
@@ -173,6 +191,9 @@ impl<'m> Surface<'m> {
     }
 
     fn base<N: Parameter>(&self, t: usize, place: &N::Place) -> [N; 3] {
+        if let Some(bends) = &self.bends {
+            return bends.position::<N>(t, place);
+        }
         let corners = self.mesh.triangles[t].av.map(|av| self.base_position(av));
         std::array::from_fn(|k| N::affine(place, corners.map(|c| c[k])))
     }
@@ -183,7 +204,7 @@ impl<'m> Surface<'m> {
 
     fn evaluate<N: Parameter>(&self, t: usize, place: &N::Place) -> [N; 3] {
         let triangle = &self.mesh.triangles[t];
-        let site = Site::Triangle { av: triangle.av, place };
+        let site = Site::Triangle { t, av: triangle.av, place };
         let own = self.displacement::<N>(triangle.primitive as usize, &site);
         let mut sum = add(self.base::<N>(t, place), own);
         if self.seams.is_pulled(triangle.av) {
@@ -222,7 +243,7 @@ impl<'m> Surface<'m> {
     /// The displacement one side has there by itself, its corners corrected.
     fn edge_candidate<N: Parameter>(&self, ae: u32, along: N) -> [N; 3] {
         let av = self.mesh.ae_av[ae as usize];
-        let site: Site<'_, N> = Site::Edge { av, along };
+        let site: Site<'_, N> = Site::Edge { ae, av, along };
         let own = self.displacement(self.primitive_of_ae(ae), &site);
         let ends = av.map(|av| self.seams.correction(av));
         let lerp = |k: usize| N::constant(ends[0][k]).add(N::constant(ends[1][k] - ends[0][k]).mul(along));

@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | subdivide | `subdivide.rs` | base surface at fine vertices |
 //! | displace, displace_vector, displace_expression, rest | `displace.rs` | positions, layer by layer |
-//! | samples, jets_* | `jets.rs` | displacements with derivatives |
+//! | samples, fields, jets_* | `jets.rs` | displacements with derivatives; `fields` of a smooth base |
 //! | reconcile_corners, _edges, _interiors | `reconcile.rs` | one place for each geometric vertex |
 //! | normals_analytic, normals_geometric | `normals.rs` | normals |
 //! | triangles | `triangles.rs` | fine triangles, flipped and broken ones counted |
 //! | attributes | `attributes.rs` | everything else that is interpolated |
 //!
-//! `pieces.rs` ends the work on a mesh that was tessellated elsewhere.
+//! Over a smooth base, passes that read it run as `*_smooth`. `pieces.rs` ends the work on a mesh that was tessellated elsewhere.
 
 pub mod attributes;
 pub mod contributions;

@@ -238,7 +238,7 @@ impl<'a> Displacer<'a> {
             self.mismatch = self.mismatch.max(reconciled.mismatch);
             for rank in 0..seam.count {
                 let av = self.tables.seam_corners[(seam.first + rank) as usize].id as usize;
-                let base = Site { av: [av as u32; 3], b: DVec3::X }.position(self.tables);
+                let base = Site::at_vertex(av as u32).position(self.tables);
                 self.positions[av] = base + reconciled.displacement;
                 self.av_correction[av] =
                     reconcile_corners::correction(self.tables, seam, rank, reconciled.displacement, candidate);

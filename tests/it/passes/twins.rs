@@ -98,7 +98,7 @@ impl Bench {
     }
 
     fn samples(&self, which: u32, start: u64, count: u64) -> (Vec<Sample>, Vec<Jet>) {
-        let chunk = SampleStreams::new(vulkan().device(), count).expect("fits");
+        let chunk = SampleStreams::new(vulkan().device(), &self.tables, count).expect("fits");
         let jets =
             Jets { tables: &self.tables, base: &self.base, av_correction: &self.fine.av_correction, chunk: &chunk };
         let details = all_details(&self.tables);

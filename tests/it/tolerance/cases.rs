@@ -3,9 +3,10 @@
 use std::{fmt, sync::Arc};
 
 use displace_server::domain::{
+    base::bend,
     detail::{Detail, LayerSource, Map, Sampling, Wrap},
     mesh::Mesh,
-    request::{Allowed, Geometry, SeamRule},
+    request::{Allowed, Base, Geometry, SeamRule},
 };
 use displace_tests::{
     maps,
@@ -62,6 +63,14 @@ fn source(random: &mut StdRng) -> (String, LayerSource) {
             let text = EXPRESSIONS[random.random_range(0..EXPRESSIONS.len())];
             (text.into(), expression(text))
         }
+    }
+}
+
+impl Case {
+    /// The same over another base.
+    pub(super) fn over(mut self, base: Base) -> Self {
+        bend(&mut self.mesh, base).expect("a test mesh is small");
+        Self { name: format!("{} over {base:?}", self.name), geometry: Geometry { base, ..self.geometry }, ..self }
     }
 }
 

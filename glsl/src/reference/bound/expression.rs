@@ -5,9 +5,10 @@ use glam::DVec3;
 use super::{
     field::Scalar,
     layers::{FARTHEST_TEXEL, Patch},
+    smooth,
 };
 use crate::{
-    expression::{Interval, IntervalJet, Number, evaluate},
+    expression::{Interval, IntervalJet, Number, evaluate, reads},
     layout::geometry::Layer,
     reference::{displace_expression::code, site::vector},
 };
@@ -51,7 +52,8 @@ impl Part<'_> {
     }
 
     fn at(&self, b: DVec3) -> f64 {
-        let variables = self.variables(|values| values[0] * b.x + values[1] * b.y + values[2] * b.z);
+        let linear = |values: [f64; 3]| values[0] * b.x + values[1] * b.y + values[2] * b.z;
+        let variables = self.variables(linear, smooth::at(self.patch, b));
         evaluate(code(self.patch.places.tables, self.layer), &variables)
     }
 
@@ -92,25 +94,36 @@ impl Part<'_> {
     /// With slopes in [g − r, g + r] along two sides, f is within (r1 + r2) / 2 of what is straight.
     fn deviation(&self, shares: [DVec3; 3]) -> f64 {
         let places = shares.map(|share| self.place(share));
-        let variables = self.variables(|values| affine(places, values));
+        let variables = self.variables(|values| affine(places, values), self.base_bounds(places));
         let jet = evaluate(code(self.patch.places.tables, self.layer), &variables);
         let radius = |slope: Interval| 0.5 * (slope.hi - slope.lo);
         0.5 * (radius(jet.slope[0]) + radius(jet.slope[1]))
     }
 
-    /// The variables an expression reads, from what is affine between the attribute vertices.
-    fn variables<N: Number>(&self, affine: impl Fn([f64; 3]) -> N) -> [N; 8] {
+    /// Position and normal of a smooth base; anything where they are not read.
+    fn base_bounds(&self, places: [DVec3; 3]) -> Option<[[IntervalJet; 3]; 2]> {
+        if reads(code(self.patch.places.tables, self.layer), 2..=7) {
+            return smooth::bounds(self.patch, places);
+        }
+        self.patch.places.tables.patches.as_ref().map(|_| [[IntervalJet::constant(1.0); 3]; 2])
+    }
+
+    /// The variables an expression reads, from what is affine between the attribute vertices; position and normal are
+    /// those of a smooth base where it is one.
+    fn variables<N: Number>(&self, affine: impl Fn([f64; 3]) -> N, base: Option<[[N; 3]; 2]>) -> [N; 8] {
         let tables = self.patch.places.tables;
         let av = self.patch.av.map(|av| av as usize);
         let uv = av.map(|av| [tables.av_position_u[av][3], tables.av_direction_v[av][3]].map(f64::from));
         let row = |[a, b, c]: [f32; 3]| affine(uv.map(|[u, v]| f64::from(a) * u + f64::from(b) * v + f64::from(c)));
         let position = |k: usize| affine(av.map(|av| f64::from(tables.av_position_u[av][k])));
-        let normal = [0, 1, 2].map(|k| affine(av.map(|av| vector(&tables.av_normal[av])[k])));
+        let normal = |k: usize| affine(av.map(|av| vector(&tables.av_normal[av])[k]));
+        let is_smooth = base.is_some();
+        let [p, normal] = base.unwrap_or_else(|| [[0, 1, 2].map(position), [0, 1, 2].map(normal)]);
         let square = normal[0].powi(2).add(normal[1].powi(2)).add(normal[2].powi(2));
-        let flat = av.iter().all(|other| tables.av_normal[*other] == tables.av_normal[av[0]]);
+        let flat = !is_smooth && av.iter().all(|other| tables.av_normal[*other] == tables.av_normal[av[0]]);
         let unit = |k: usize| if flat { normal[k] } else { normal[k].div(square.sqrt()) };
         let l = self.layer;
-        [row(l.texel_from_u), row(l.texel_from_v), position(0), position(1), position(2), unit(0), unit(1), unit(2)]
+        [row(l.texel_from_u), row(l.texel_from_v), p[0], p[1], p[2], unit(0), unit(1), unit(2)]
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     Asked, expression,
     field::{Field, Scalar},
     lattice::Lattice,
-    search,
+    search, smooth,
     texels::Corner,
 };
 use crate::{
@@ -28,6 +28,8 @@ pub(super) struct Patch<'p> {
     pub(super) places: &'p Places<'p>,
     pub(super) asked: Asked,
     pub(super) av: [u32; 3],
+    /// Where they are on a smooth base; see [`crate::patches`].
+    pub(super) patch: u32,
     pub(super) detail: u32,
     pub(super) corners: [DVec3; 3],
     /// Expressions are bounded no closer than this.
@@ -71,6 +73,9 @@ impl Patch<'_> {
     }
 
     fn frame(&self) -> Frame {
+        if let Some([normal, direction]) = smooth::frame(self) {
+            return Frame { direction, normal };
+        }
         let tables = self.places.tables;
         let normal = self.blend(self.av.map(|av| vector(&tables.av_normal[av as usize])));
         let direction = self.blend(self.av.map(|av| vector(&tables.av_direction_v[av as usize])));

@@ -7,7 +7,7 @@ use super::{
     layers::Patch,
 };
 use crate::{
-    layout::geometry::{BaseTriangle, Correction, NONE, Seam},
+    layout::geometry::{BaseEdge, BaseTriangle, Correction, NONE, Seam},
     reference::samples::share,
 };
 
@@ -79,9 +79,9 @@ impl Ramp<'_> {
                 continue;
             }
             let entry = tables.seam_sides[(seam.first + rank) as usize];
-            let [a, b] = tables.base_edges[entry.id as usize].av;
+            let BaseEdge { av: [a, b], patch_code, .. } = tables.base_edges[entry.id as usize];
             let corners = [start, end, end].map(|t| DVec3::new(1.0 - t, t, 0.0));
-            let patch = Patch { av: [a, b, b], detail: entry.detail, corners, ..*self.patch };
+            let patch = Patch { av: [a, b, b], patch: patch_code, detail: entry.detail, corners, ..*self.patch };
             sum += part * patch.bound((cap - sum) / part);
         }
         sum

@@ -31,7 +31,9 @@ impl Detail {
         let uvs = mesh.attribute(&format!("TEXCOORD_{}", self.uv_set)).map_or(&[][..], |uvs| &uvs.values);
         let over = |values: &[f32], size: usize, k: usize| over(values.iter().skip(k).step_by(size));
         let [u, v] = [0, 1].map(|k| over(uvs, 2, k));
-        let [x, y, z] = [0, 1, 2].map(|k| over(mesh.gv_position.as_flattened(), 3, k));
+        let bulge = mesh.bulge();
+        let widened = |i: Interval| Interval::new(i.lo - bulge, i.hi + bulge);
+        let [x, y, z] = [0, 1, 2].map(|k| widened(over(mesh.gv_position.as_flattened(), 3, k)));
         let n = Interval::new(-1.0, 1.0);
         [u, v, x, y, z, n, n, n]
     }

@@ -11,6 +11,20 @@ pub struct Geometry {
     pub seams: SeamRule,
     /// Width of the ramp that reconciles mismatched seams, in texels; 0 is off.
     pub feather_texels: f32,
+    pub base: Base,
+}
+
+/// The smooth surface under the detail; see [`crate::domain::base`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+pub enum Base {
+    #[default]
+    Flat,
+    /// PN triangles.
+    Pn,
+    /// Phong tessellation.
+    Phong,
+    /// The limit of Loop's subdivision.
+    Loop,
 }
 
 /// What decides how fine the result is.

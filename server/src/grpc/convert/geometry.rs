@@ -7,7 +7,7 @@ use crate::domain::{
     Error, Result,
     normal_map::SIZES,
     plan::MAX_LEVEL,
-    request::{Geometry, Normals, Refinement, SeamRule},
+    request::{Base, Geometry, Normals, Refinement, SeamRule},
 };
 
 const DEFAULT_FEATHER_TEXELS: f32 = 3.0;
@@ -24,6 +24,12 @@ pub(super) fn parse(path: &str, geometry: Option<v1::Geometry>) -> Result<Geomet
         seams: match known(&join(path, "seams"), geometry.seams)? {
             v1::SeamRule::Unspecified | v1::SeamRule::Mean => SeamRule::Mean,
             v1::SeamRule::Dominant => SeamRule::Dominant,
+        },
+        base: match known(&join(path, "base"), geometry.base)? {
+            v1::Base::Unspecified | v1::Base::Flat => Base::Flat,
+            v1::Base::Pn => Base::Pn,
+            v1::Base::Phong => Base::Phong,
+            v1::Base::Loop => Base::Loop,
         },
         feather_texels: within(&join(path, "feather_texels"), feather, 0.0, MAX_FEATHER_TEXELS)?,
     })

@@ -133,6 +133,7 @@ pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
         refinement: Some(v1::geometry::Refinement::UniformLevel(0)),
         seams: request.seams,
         feather_texels: request.feather_texels,
+        base: request.base,
         ..v1::Geometry::default()
     };
     let reference = v1::DisplaceRequest {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::domain::{
-    request::{Allowed, ErrorAt, Normals, Quality, SeamRule},
+    request::{Allowed, Base, ErrorAt, Normals, Quality, SeamRule},
     scene::SceneMesh,
     weld::{PrimitiveInput, weld},
 };
@@ -26,7 +26,14 @@ fn scene() -> Scene {
 }
 
 fn geometry(refinement: Refinement, max_triangles: Option<u64>) -> Geometry {
-    Geometry { refinement, max_triangles, normals: Normals::Analytic, seams: SeamRule::Mean, feather_texels: 0.0 }
+    Geometry {
+        refinement,
+        max_triangles,
+        normals: Normals::Analytic,
+        seams: SeamRule::Mean,
+        feather_texels: 0.0,
+        base: Base::Flat,
+    }
 }
 
 fn tolerance(max_triangles: Option<u64>) -> Geometry {

@@ -12,7 +12,7 @@ use crate::{
         detail::{Detail, Layer as DetailLayer, LayerSource},
         mesh::Mesh,
     },
-    oracle::{field::Field, parameter::CELL_SLACK},
+    oracle::{field::Field, parameter::CELL_SLACK, smooth::Fields},
 };
 
 /// Shortest blended normal that a direction is divided by: opposite normals would send it to infinity.
@@ -38,18 +38,31 @@ enum Source {
     Expression(Vec<Instruction>),
 }
 
-/// Where layers are evaluated: in a base triangle, or on a base edge.
+/// Where layers are evaluated.
 pub(super) enum Site<'p, N: Parameter> {
-    Triangle { av: [u32; 3], place: &'p N::Place },
-    Edge { av: [u32; 2], along: N },
+    Triangle {
+        t: usize,
+        av: [u32; 3],
+        place: &'p N::Place,
+    },
+    Edge {
+        ae: u32,
+        av: [u32; 2],
+        along: N,
+    },
+    /// An attribute vertex.
+    Corner {
+        av: u32,
+    },
 }
 
 impl<N: Parameter> Site<'_, N> {
     /// A quantity of attribute vertices, interpolated.
     fn blend(&self, value: impl Fn(usize) -> f64) -> N {
         match self {
-            Self::Triangle { av, place } => N::affine(place, av.map(|av| value(av as usize))),
-            Self::Edge { av: [from, to], along } => {
+            Self::Corner { av } => N::constant(value(*av as usize)),
+            Self::Triangle { av, place, .. } => N::affine(place, av.map(|av| value(av as usize))),
+            Self::Edge { av: [from, to], along, .. } => {
                 let (from, to) = (value(*from as usize), value(*to as usize));
                 N::constant(from).add(N::constant(to - from).mul(*along))
             }
@@ -161,6 +174,7 @@ fn with_texels(map: &Arc<crate::domain::detail::Map>, source: fn(Field) -> Sourc
 
 /// What layers read of the base.
 struct Frame<N> {
+    position: [N; 3],
     /// Unit, if a layer reads it.
     normal: [N; 3],
     direction: [N; 3],
@@ -178,13 +192,27 @@ impl Surface<'_> {
         layers.iter().fold(zero, |sum, layer| add(sum, self.layer(layer, site, &frame)))
     }
 
+    /// Of a smooth base, but for its corners, whose frames are the mesh's.
+    fn bent<N: Parameter>(&self, site: &Site<'_, N>) -> Option<Fields<N>> {
+        let bends = self.bends.as_ref()?;
+        match site {
+            Site::Triangle { t, place, .. } => Some(bends.fields::<N>(*t, place)),
+            Site::Edge { ae, along, .. } => Some(bends.on_edge::<N>(*ae, *along)),
+            Site::Corner { .. } => None,
+        }
+    }
+
     fn frame<N: Parameter>(&self, site: &Site<'_, N>, reads_normal: bool) -> Frame<N> {
+        if let Some(Fields { position, normal, direction }) = self.bent(site) {
+            return Frame { position, normal, direction };
+        }
         let n = site.blend3(|av| self.mesh.av_normal[av]);
         let d = site.blend3(|av| self.mesh.gv_direction[self.mesh.av_gv[av] as usize]);
         let length = dot(n, n).sqrt();
         let over = |least: f64| N::constant(1.0).div(N::max(length, N::constant(least)));
         let normal = if reads_normal { times(n, over(SHORTEST_UNIT)) } else { n };
-        Frame { normal, direction: times(d, over(SHORTEST_NORMAL)) }
+        let position = site.blend3(|av| self.mesh.gv_position[self.mesh.av_gv[av] as usize]);
+        Frame { position, normal, direction: times(d, over(SHORTEST_NORMAL)) }
     }
 
     fn layer<N: Parameter>(&self, layer: &Layer, site: &Site<'_, N>, frame: &Frame<N>) -> [N; 3] {
@@ -200,8 +228,7 @@ impl Surface<'_> {
                 add(in_plane, times(frame.direction, channel(field, 2)))
             }
             Source::Expression(code) => {
-                let p = site.blend3(|av| self.mesh.gv_position[self.mesh.av_gv[av] as usize]);
-                let n = frame.normal;
+                let (p, n) = (frame.position, frame.normal);
                 times(frame.direction, scaled(evaluate(code, &[x, y, p[0], p[1], p[2], n[0], n[1], n[2]])))
             }
         }

@@ -83,8 +83,7 @@ impl Seams {
     }
 
     pub(super) fn position(&self, surface: &Surface<'_>, ge: usize, t: f64) -> DVec3 {
-        let [from, to] = surface.mesh.ge_gv[ge].map(|gv| super::wide(surface.mesh.gv_position[gv as usize]));
-        from + (to - from) * t + DVec3::from_array(surface.agreed::<f64>(ge, t))
+        surface.edge_base(ge, t) + DVec3::from_array(surface.agreed::<f64>(ge, t))
     }
 
     fn all_ramps(&self, surface: &Surface<'_>, feather_texels: f64) -> Vec<Vec<Ramp>> {
@@ -197,7 +196,7 @@ fn corners(surface: &Surface<'_>, looks: &Looks<'_, '_>, rule: SeamRule) -> (Has
             continue;
         }
         let candidate = |av: u32| {
-            let site: Site<'_, f64> = Site::Edge { av: [av, av], along: 0.0 };
+            let site: Site<'_, f64> = Site::Corner { av };
             DVec3::from_array(surface.displacement(surface.primitive_of_av(av), &site))
         };
         let agreed: DVec3 = sides.shares.iter().map(|(av, share)| candidate(*av) * *share).sum();

@@ -3,8 +3,11 @@
 
 use displace_glsl::{
     SHADERS,
-    layout::geometry::{
-        JetsCorrectionParams, JetsExpressionParams, JetsHeightParams, JetsVectorParams, OWN, SamplesParams, kind,
+    layout::{
+        geometry::{
+            JetsCorrectionParams, JetsExpressionParams, JetsHeightParams, JetsVectorParams, OWN, SamplesParams, kind,
+        },
+        smooth::FieldsParams,
     },
     tables::Tables,
 };
@@ -63,6 +66,7 @@ impl Jets<'_> {
 
     fn add(&self, recorder: &mut Recorder<'_>, domain: &Domain, side: u32, rank: u32, accumulate: bool) -> Result<()> {
         self.samples(recorder, domain, side, rank)?;
+        self.fields(recorder, domain.count)?;
         let mut on_top = accumulate;
         for &detail in &domain.details {
             for layer in self.tables.details[detail as usize].clone() {
@@ -103,6 +107,27 @@ impl Jets<'_> {
         Ok(recorder.dispatch(&SHADERS.samples, domain.count, &params, &streams)?)
     }
 
+    /// What a smooth base is like at the samples.
+    fn fields(&self, recorder: &mut Recorder<'_>, count: u64) -> Result<()> {
+        if self.tables.patches.is_none() {
+            return Ok(());
+        }
+        let base = self.base;
+        let streams = [
+            ("av_position_u", &base.av_position_u),
+            ("av_direction_v", &base.av_direction_v),
+            ("av_normal", &base.av_normal),
+            ("av_tangent", &base.av_tangent),
+            ("base_edges", &base.base_edges),
+            ("base_triangles", &base.base_triangles),
+            ("patch_nodes", &base.patch_nodes),
+            ("patch_points", &base.patch_points),
+            ("samples", &self.chunk.samples),
+            ("fields", &self.chunk.fields),
+        ];
+        Ok(recorder.dispatch(&SHADERS.fields, count, &FieldsParams { count: count as u32 }, &streams)?)
+    }
+
     fn layer(&self, recorder: &mut Recorder<'_>, count: u64, detail: u32, layer: u32, on_top: bool) -> Result<()> {
         let (base, accumulate) = (self.base, u32::from(on_top));
         let mut streams = vec![
@@ -122,17 +147,21 @@ impl Jets<'_> {
             kind::HEIGHT => {
                 streams.push(("texels", &base.texels));
                 let params = JetsHeightParams { count, detail, layer, accumulate };
-                recorder.dispatch(&SHADERS.jets_height, threads, &params, &streams)?;
+                let shader = self.chunk.variant(&mut streams, &SHADERS.jets_height, &SHADERS.jets_height_smooth);
+                recorder.dispatch(shader, threads, &params, &streams)?;
             }
             kind::EXPRESSION => {
                 streams.push(("instructions", &base.instructions));
                 let params = JetsExpressionParams { count, detail, layer, accumulate };
-                recorder.dispatch(&SHADERS.jets_expression, threads, &params, &streams)?;
+                let shader =
+                    self.chunk.variant(&mut streams, &SHADERS.jets_expression, &SHADERS.jets_expression_smooth);
+                recorder.dispatch(shader, threads, &params, &streams)?;
             }
             _ => {
                 streams.push(("texels", &base.texels));
                 let params = JetsVectorParams { count, detail, layer, accumulate };
-                recorder.dispatch(&SHADERS.jets_vector, threads, &params, &streams)?;
+                let shader = self.chunk.variant(&mut streams, &SHADERS.jets_vector, &SHADERS.jets_vector_smooth);
+                recorder.dispatch(shader, threads, &params, &streams)?;
             }
         }
         Ok(())

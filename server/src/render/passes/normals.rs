@@ -29,7 +29,7 @@ pub fn record_analytic(
 ) -> Result<()> {
     let work = work(tables);
     let most = work.iter().map(|part| part.domain.count).max().unwrap_or(0);
-    let chunk = SampleStreams::new(device, most)?;
+    let chunk = SampleStreams::new(device, tables, most)?;
     let jets = Jets { tables, base, av_correction: &fine.av_correction, chunk: &chunk };
     for part in work {
         jets.record(recorder, &part.domain)?;
@@ -62,7 +62,7 @@ impl Part {
             block: self.domain.block,
             lattice: tables.lattice,
         };
-        let streams = [
+        let mut streams = vec![
             ("av_position_u", &base.av_position_u),
             ("av_direction_v", &base.av_direction_v),
             ("av_normal", &base.av_normal),
@@ -77,7 +77,8 @@ impl Part {
             ("place_vertices", &chunk.listed.place_vertices),
             ("normals", &fine.normals),
         ];
-        Ok(recorder.dispatch(&SHADERS.normals_analytic, count, &params, &streams)?)
+        let shader = chunk.variant(&mut streams, &SHADERS.normals_analytic, &SHADERS.normals_analytic_smooth);
+        Ok(recorder.dispatch(shader, count, &params, &streams)?)
     }
 }
 

@@ -105,7 +105,7 @@ impl Lots<'_> {
         let of_kind = |vertices, corrected| self.cut(vertices).into_iter().map(move |lot| (lot, corrected));
         let lots: Vec<_> = of_kind(&plain, false).chain(of_kind(&corrected, true)).collect();
         let most = lots.iter().map(|((_, samples), _)| *samples).max().unwrap_or(0);
-        let mut chunk = SampleStreams::new(device, most)?;
+        let mut chunk = SampleStreams::new(device, self.tables, most)?;
         for ((vertices, _), corrected) in lots {
             let listed = self.listed(vertices);
             chunk.listed = ListedStreams::new(device, &listed)?;

@@ -57,7 +57,7 @@ impl Pass<'_> {
             return Ok(());
         }
         let chunks = seam_chunks(all, 1);
-        let chunk = SampleStreams::new(self.device, longest(all, &chunks))?;
+        let chunk = SampleStreams::new(self.device, self.tables, longest(all, &chunks))?;
         chunks.into_iter().try_for_each(|seams| self.corner_chunk(recorder, &chunk, seams))
     }
 
@@ -100,7 +100,7 @@ impl Pass<'_> {
             return Ok(());
         }
         let chunks = seam_chunks(&self.tables.seams, points);
-        let chunk = SampleStreams::new(self.device, longest(&self.tables.seams, &chunks) * points)?;
+        let chunk = SampleStreams::new(self.device, self.tables, longest(&self.tables.seams, &chunks) * points)?;
         for seams in chunks {
             self.edge_chunk(recorder, &chunk, seams, points)?;
         }
@@ -135,7 +135,7 @@ impl Pass<'_> {
             rule: self.tables.rule,
             lattice: self.tables.lattice,
         };
-        let streams = [
+        let mut streams = vec![
             ("av_position_u", &self.base.av_position_u),
             ("av_direction_v", &self.base.av_direction_v),
             ("av_normal", &self.base.av_normal),
@@ -148,7 +148,8 @@ impl Pass<'_> {
             ("positions", &self.fine.positions),
             ("counters", &self.fine.counters),
         ];
-        Ok(recorder.dispatch(&SHADERS.reconcile_edges, count, &params, &streams)?)
+        let shader = chunk.variant(&mut streams, &SHADERS.reconcile_edges, &SHADERS.reconcile_edges_smooth);
+        Ok(recorder.dispatch(shader, count, &params, &streams)?)
     }
 
     fn interiors(&self, recorder: &mut Recorder<'_>) -> Result<()> {
@@ -158,7 +159,7 @@ impl Pass<'_> {
         if start == end {
             return Ok(());
         }
-        let chunk = SampleStreams::new(self.device, CHUNK.min(end - start))?;
+        let chunk = SampleStreams::new(self.device, self.tables, CHUNK.min(end - start))?;
         for first in (start..end).step_by(CHUNK as usize) {
             self.interior_chunk(recorder, &chunk, first..(first + CHUNK).min(end), points)?;
         }
@@ -176,7 +177,7 @@ impl Pass<'_> {
         let count = range.end - range.start;
         let params =
             ReconcileInteriorsParams { count: count as u32, start: range.start as u32, lattice: self.tables.lattice };
-        let streams = [
+        let mut streams = vec![
             ("av_position_u", &self.base.av_position_u),
             ("av_direction_v", &self.base.av_direction_v),
             ("av_normal", &self.base.av_normal),
@@ -188,7 +189,8 @@ impl Pass<'_> {
             ("jets", &chunk.jets),
             ("positions", &self.fine.positions),
         ];
-        Ok(recorder.dispatch(&SHADERS.reconcile_interiors, count, &params, &streams)?)
+        let shader = chunk.variant(&mut streams, &SHADERS.reconcile_interiors, &SHADERS.reconcile_interiors_smooth);
+        Ok(recorder.dispatch(shader, count, &params, &streams)?)
     }
 
     fn jets(&self, recorder: &mut Recorder<'_>, chunk: &SampleStreams, domain: &Domain) -> Result<()> {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use displace_glsl::{
+    ComputeShader,
     layout::geometry::{Sample, TrianglePlace, counter, kind},
     tables::Tables,
 };
@@ -26,6 +27,9 @@ pub struct BaseStreams {
     pub av_tangent: Stream,
     pub base_edges: Stream,
     pub base_triangles: Stream,
+    /// Of a smooth base; else empty, as `patch_points` is.
+    pub patch_nodes: Stream,
+    pub patch_points: Stream,
     pub triangle_facing: Stream,
     pub layers: Stream,
     pub texels: Stream,
@@ -44,6 +48,7 @@ pub struct BaseStreams {
 impl BaseStreams {
     pub fn new(device: &Arc<Device>, tables: &Tables) -> Result<Self> {
         let t = tables;
+        let (nodes, points) = t.patches.as_deref().map_or((&[][..], &[][..]), |p| (&p.nodes, &p.points));
         Ok(Self {
             av_position_u: Stream::from_slice(device, "av_position_u", &t.av_position_u)?,
             av_direction_v: Stream::from_slice(device, "av_direction_v", &t.av_direction_v)?,
@@ -51,6 +56,8 @@ impl BaseStreams {
             av_tangent: Stream::from_slice(device, "av_tangent", &t.av_tangent)?,
             base_edges: Stream::from_slice(device, "base_edges", &t.base_edges)?,
             base_triangles: Stream::from_slice(device, "base_triangles", &t.base_triangles)?,
+            patch_nodes: Stream::from_slice(device, "patch_nodes", nodes)?,
+            patch_points: Stream::from_slice(device, "patch_points", points)?,
             triangle_facing: Stream::from_slice(device, "triangle_facing", &t.triangle_facing)?,
             layers: Stream::from_slice(device, "layers", &t.layers)?,
             texels: Stream::from_slice(device, "texels", &t.texels)?,
@@ -134,16 +141,36 @@ impl FineStreams {
 pub struct SampleStreams {
     pub samples: Stream,
     pub jets: Stream,
+    /// Of a smooth base; else empty.
+    pub fields: Stream,
     pub listed: ListedStreams,
 }
 
 impl SampleStreams {
-    pub fn new(device: &Arc<Device>, len: u64) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, tables: &Tables, len: u64) -> Result<Self> {
+        let of_smooth = if tables.patches.is_some() { len } else { 0 };
         Ok(Self {
             samples: Stream::new(device, "samples", size_of::<Sample>() as u32, len)?,
             jets: Stream::new(device, "jets", MAT3, len)?,
+            fields: Stream::new(device, "fields", 3 * MAT3, of_smooth)?,
             listed: ListedStreams::new(device, &Listed::default())?,
         })
+    }
+}
+
+impl SampleStreams {
+    /// The shader that fits the base; that of a smooth one reads `fields` too.
+    pub fn variant<'s>(
+        &'s self,
+        streams: &mut Vec<(&'static str, &'s Stream)>,
+        flat: &'static ComputeShader,
+        smooth: &'static ComputeShader,
+    ) -> &'static ComputeShader {
+        if self.fields.is_empty() {
+            return flat;
+        }
+        streams.push(("fields", &self.fields));
+        smooth
     }
 }
 

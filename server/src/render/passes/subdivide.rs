@@ -30,23 +30,24 @@ pub fn record(recorder: &mut Recorder<'_>, tables: &Tables, base: &BaseStreams, 
             with_tangents: u32::from(!fine.base_tangents.is_empty()),
             lattice: tables.lattice,
         };
-        recorder.dispatch(
-            &SHADERS.subdivide,
-            count,
-            &params,
-            &[
-                ("av_position_u", &base.av_position_u),
-                ("av_direction_v", &base.av_direction_v),
-                ("av_normal", &base.av_normal),
-                ("av_tangent", &base.av_tangent),
-                ("base_edges", &base.base_edges),
-                ("base_triangles", &base.base_triangles),
-                ("base_position_u", &fine.base_position_u),
-                ("base_direction_v", &fine.base_direction_v),
-                ("base_normals", &fine.base_normals),
-                ("base_tangents", &fine.base_tangents),
-            ],
-        )?;
+        let mut streams = vec![
+            ("av_position_u", &base.av_position_u),
+            ("av_direction_v", &base.av_direction_v),
+            ("av_normal", &base.av_normal),
+            ("av_tangent", &base.av_tangent),
+            ("base_edges", &base.base_edges),
+            ("base_triangles", &base.base_triangles),
+            ("base_position_u", &fine.base_position_u),
+            ("base_direction_v", &fine.base_direction_v),
+            ("base_normals", &fine.base_normals),
+            ("base_tangents", &fine.base_tangents),
+        ];
+        if tables.patches.is_none() {
+            recorder.dispatch(&SHADERS.subdivide, count, &params, &streams)?;
+        } else {
+            streams.extend([("patch_nodes", &base.patch_nodes), ("patch_points", &base.patch_points)]);
+            recorder.dispatch(&SHADERS.subdivide_smooth, count, &params, &streams)?;
+        }
     }
     Ok(())
 }

@@ -34,6 +34,7 @@ pub fn build(plan: &SurfacePlan, mesh: &Mesh, details: &[Option<Arc<Detail>>]) -
             edges: mesh.ae_av.len() as u32,
         },
         av_normal: mesh.av_normal.clone(),
+        patches: mesh.patches.clone(),
         av_tangent: tangents(mesh, &numbering)?,
         rule: match plan.seams {
             SeamsPlan::Mean => rule::MEAN,
@@ -113,8 +114,15 @@ fn texture_coordinates<'a>(mesh: &'a Mesh, p: usize, numbering: &Numbering) -> R
 fn fill_edges(tables: &mut Tables, mesh: &Mesh, numbering: &Numbering) {
     for (primitive, &detail) in mesh.primitives.iter().zip(&numbering.of_primitive) {
         let aes = &mesh.ae_av[primitive.aes.start as usize..primitive.aes.end as usize];
-        tables.base_edges.extend(aes.iter().map(|&av| BaseEdge { av, detail }));
+        let first = tables.base_edges.len();
+        let edge = |(k, &av): (usize, &[u32; 2])| BaseEdge { av, detail, patch_code: patch_of(mesh, first + k) };
+        tables.base_edges.extend(aes.iter().enumerate().map(edge));
     }
+}
+
+/// Where an ae lies on a smooth base; 0 on a flat one, where nothing reads it.
+fn patch_of(mesh: &Mesh, ae: usize) -> u32 {
+    mesh.patches.as_ref().map_or(0, |patches| patches.edges[ae])
 }
 
 fn fill_triangles(tables: &mut Tables, mesh: &Mesh, numbering: &Numbering) {

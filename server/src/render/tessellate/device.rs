@@ -1,5 +1,5 @@
-//! The tessellator's passes on a Vulkan device, for meshes whose details are height layers, within a tolerance that is the
-//! same everywhere.
+//! The tessellator's passes on a Vulkan device, for flat bases whose details are height layers, within a tolerance that is
+//! the same everywhere.
 //!
 //! | file | passes | makes |
 //! |---|---|---|

@@ -32,7 +32,7 @@ const FARTHEST_TEXEL: f64 = 4_194_303.0;
 #[must_use]
 pub fn supports(tables: &Tables) -> bool {
     let heights = tables.layers.iter().all(|layer| layer.kind == kind::HEIGHT);
-    heights && tables.base_triangles.iter().all(|triangle| is_near(tables, triangle))
+    tables.patches.is_none() && heights && tables.base_triangles.iter().all(|triangle| is_near(tables, triangle))
 }
 
 fn is_near(tables: &Tables, triangle: &BaseTriangle) -> bool {
