@@ -2,6 +2,7 @@
 //! cracked, and no more triangles than it takes.
 
 mod cases;
+mod corpus;
 mod figures;
 mod judge;
 mod uvs;
