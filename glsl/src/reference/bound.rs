@@ -36,13 +36,20 @@ pub struct Asked {
 /// How much an expression's bound may be above the truth, as a share of the tolerance.
 const RESOLUTION: f64 = 1.0 / 16.0;
 
+/// The bound must not depend on which corner comes first: what one round accepted the next would find too far off.
+fn ordered(mut corners: [DVec3; 3]) -> [DVec3; 3] {
+    let order = |a: &DVec3, b: &DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
+    corners.sort_unstable_by(order);
+    corners
+}
+
 /// The largest distance anywhere on the triangle with these corners in base triangle t, as a share of `tolerance`; where
 /// that exceeds `most`, anything above `most`.
 #[must_use]
 pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tolerance: f64, most: f64) -> f64 {
     let triangle = &places.tables.base_triangles[t as usize];
     let (resolution, cap) = (RESOLUTION * tolerance, most * tolerance);
-    let (av, detail) = (triangle.av, triangle.detail);
+    let (av, detail, corners) = (triangle.av, triangle.detail, ordered(corners));
     let patch = layers::Patch { places, asked, av, patch: inside(t), detail, corners, resolution };
     let bend = smooth::bend(&patch);
     let own = bend + if bend > cap { 0.0 } else { patch.bound(cap - bend) };
