@@ -68,14 +68,6 @@ def write_field(path: Path, field: np.ndarray) -> Path:
     return path
 
 
-def mirrored(field: np.ndarray, times: int) -> np.ndarray:
-    """The field laid `times` x `times`, every other one mirrored: (n - 1) * times + 1 a side, and continuous."""
-    cells = field.shape[0] - 1
-    places = np.arange(cells * times + 1) % (2 * cells)
-    places = np.minimum(places, 2 * cells - places)
-    return np.ascontiguousarray(field[np.ix_(places, places)])
-
-
 def write_plane(path: Path) -> Path:
     """The unit square of the plane y = 0, normal +Y, u = x and v = z, as two triangles that share the diagonal u = v."""
     corners = np.array([(0, 0), (1, 0), (0, 1), (1, 1)], np.float32)
@@ -114,25 +106,39 @@ def read_displaced(path: Path, size: int, scale: float) -> Mesh:
 
 
 def deviation(mesh: Mesh, field: np.ndarray) -> Deviation:
-    """How far the mesh is from the field, vertically, at all texels.
+    """How far the mesh is from the field, vertically, at all texels."""
+    corners = mesh.vertices[mesh.triangles]
+    (ax, ay), (bx, by) = ((corners[:, k, :2] - corners[:, 0, :2]).T for k in (1, 2))
+    doubled = ax * by - ay * bx
+    area = doubled.sum() / (2 * (field.shape[0] - 1) ** 2)
+    folded = int((doubled * np.sign(area) < -ON_EDGE).sum())
+    covered, largest = np.zeros(field.size, bool), 0.0
+    for texel, height in readings(corners, field.shape[0]):
+        covered[texel] = True
+        largest = max(largest, float(np.abs(height - field.reshape(-1)[texel]).max(initial=0.0)))
+    return Deviation(largest, int((~covered).sum()), folded, float(abs(area)))
+
+
+def heights_of(mesh: Mesh, size: int) -> np.ndarray:
+    """The heights of the mesh at size x size places, x and y from 0 to size - 1; not a number where it has none."""
+    heights = np.full(size * size, np.nan)
+    for place, height in readings(mesh.vertices[mesh.triangles], size):
+        heights[place] = height
+    return heights.reshape(size, size)
+
+
+def readings(corners: np.ndarray, size: int):
+    """(places y * size + x, heights) of the triangles (t, 3, 3), part by part.
 
     Each triangle is cut by the rows of texels into spans, and each span is read at its texels, ends included: a texel on
     an edge is read from both sides, and slivers need no division by their area.
     """
-    corners = mesh.vertices[mesh.triangles]
-    (ax, ay), (bx, by) = ((corners[:, k, :2] - corners[:, 0, :2]).T for k in (1, 2))
-    doubled = ax * by - ay * bx
-    last = field.shape[0] - 1
-    area = doubled.sum() / (2 * last**2)
-    folded = int((doubled * np.sign(area) < -ON_EDGE).sum())
+    last = size - 1
     first = np.clip(np.ceil(corners[..., 1].min(1) - ON_EDGE), 0, last).astype(np.int64)
     rows = np.clip(np.floor(corners[..., 1].max(1) + ON_EDGE), -1, last).astype(np.int64) - first + 1
-    covered, largest = np.zeros(field.size, bool), 0.0
     for part in parts_of(np.maximum(rows, 0)):
         owner, y = expand(first[part], np.maximum(rows[part], 0))
-        spans = row_spans(corners[part][owner], y)
-        largest = max(largest, read_spans(spans, y, field, covered))
-    return Deviation(largest, int((~covered).sum()), folded, float(abs(area)))
+        yield read_spans(row_spans(corners[part][owner], y), y, size)
 
 
 def parts_of(rows: np.ndarray):
@@ -170,16 +176,13 @@ def row_spans(corners: np.ndarray, y: np.ndarray):
     return tuple(np.take_along_axis(of, at, axis=1)[:, 0] for of, at in [(x, left), (x, right), (height, left), (height, right)])
 
 
-def read_spans(spans, y: np.ndarray, field: np.ndarray, covered: np.ndarray) -> float:
-    """The largest deviation at the texels of the spans, which become covered."""
+def read_spans(spans, y: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """(places, heights) of the texels of the spans."""
     left, right, at_left, at_right = spans
-    last = field.shape[1] - 1
+    last = size - 1
     first = np.clip(np.ceil(left - ON_EDGE), 0, last).astype(np.int64)
     counts = np.maximum(np.clip(np.floor(right + ON_EDGE), -1, last).astype(np.int64) - first + 1, 0)
     owner, x = expand(first, counts)
     width = (right - left)[owner]
     place = np.clip(np.where(width > 0, (x - left[owner]) / np.where(width > 0, width, 1), 0), 0, 1)
-    height = at_left[owner] + place * (at_right[owner] - at_left[owner])
-    texel = y[owner] * field.shape[1] + x
-    covered[texel] = True
-    return float(np.abs(height - field.reshape(-1)[texel]).max(initial=0.0))
+    return y[owner] * size + x, at_left[owner] + place * (at_right[owner] - at_left[owner])

@@ -7,8 +7,10 @@ out what a process costs before its work: for Node, all but the call; for `displ
 
 import dataclasses
 import json
+import os
 import resource
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,7 +45,8 @@ class Field:
 
 @dataclass
 class Result:
-    """`error` and `bound` (what the tool itself promises) are in tolerances; `start_s` is not in `cpu_s`."""
+    """`error` and `bound` (what the tool itself promises) are in tolerances; `start_s` is not in `cpu_s`; `rounds` that the
+    tool tells of."""
 
     triangles: int
     error: float
@@ -51,33 +54,42 @@ class Result:
     start_s: float
     bound: float | None = None
     faults: list[str] = dataclasses.field(default_factory=list)
+    rounds: int | None = None
 
 
 class Failed(Exception):
     """A program ended badly; the message is its own."""
 
 
-def run(command: list) -> tuple[str, float]:
-    """(standard output, processor seconds)."""
+@dataclass
+class Ran:
+    """What a program wrote to standard output, and its `cpu_s`: user and system, all threads."""
+
+    text: str
+    cpu_s: float
+
+
+def run(command: list, **environment: str) -> Ran:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=TIMEOUT_SECS)
+    words, variables = [str(word) for word in command], os.environ | environment
+    done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT_SECS, env=variables)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode != 0:
         told = (done.stderr.strip() or done.stdout.strip()).splitlines()
-        raise Failed(f"{Path(str(command[0])).name} exits {done.returncode}: {told[0] if told else 'silent'}")
-    return done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        raise Failed(f"{Path(words[0]).name} exits {done.returncode}: {told[0] if told else 'silent'}")
+    return Ran(done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def by_peer(tool: str, field: Field, tolerance: float, out: Path) -> Result:
     raw, corners, size = out / "heights.raw", out / "corners.raw", len(field.heights)
     field.heights.tofile(raw)
-    text, seconds = run(["node", HERE / "tessellate.mjs", tool, raw, size, repr(tolerance), corners])
-    told = json.loads(text)
+    ran = run(["node", HERE / "tessellate.mjs", tool, raw, size, repr(tolerance), corners])
+    told = json.loads(ran.text)
     y, x = np.divmod(np.arange(size * size), size)
     vertices = np.stack([x, y, field.heights.reshape(-1)], axis=1).astype(np.float64)
     mesh = Mesh(vertices, np.fromfile(corners, np.uint32).reshape(-1, 3))
     found = heightfield.deviation(mesh, field.heights)
-    return Result(told["triangles"], found.largest / tolerance, told["cpu_s"], seconds - told["cpu_s"], faults=found.faults())
+    return Result(told["triangles"], found.largest / tolerance, told["cpu_s"], ran.cpu_s - told["cpu_s"], faults=found.faults())
 
 
 class Displace:
@@ -93,8 +105,13 @@ class Displace:
         bound = ["--tolerance-world", repr(SCALE * tolerance)]
         # The default is asked for by silence, as a user does.
         bound += ["--error-at", "texels"] if error_at == "texels" else []
-        text, seconds = run([*self.command, "--height", file, *self.flags, *bound, "-o", self.out / "ours.glb"])
-        return json.loads(text), seconds
+        return self.apply(file, bound)
+
+    def apply(self, file: Path, flags: list) -> tuple[dict, float]:
+        """The report and processor seconds of `ours.glb`; nothing is stored."""
+        with tempfile.TemporaryDirectory() as store:
+            ran = run([*self.command, "--height", file, *self.flags, *flags, "-o", self.out / "ours.glb"], XDG_DATA_HOME=store)
+        return json.loads(ran.text), ran.cpu_s
 
     def start_s(self, error_at: str) -> float:
         """The least of four runs on a flat map; the first may still have pipelines to compile."""
@@ -115,4 +132,4 @@ class Displace:
             faults.append(f"reports no bound in world units: {accuracy}")
         if len(mesh.triangles) != report["triangles"]:
             faults.append(f"reports {report['triangles']} triangles, writes {len(mesh.triangles)}")
-        return Result(len(mesh.triangles), found.largest / tolerance, seconds - start, start, bound, faults)
+        return Result(len(mesh.triangles), found.largest / tolerance, seconds - start, start, bound, faults, report.get("rounds"))
