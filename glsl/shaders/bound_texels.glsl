@@ -17,8 +17,28 @@ const float RIM = 5e-7;
 // f32 tells no more texels apart along a triangle.
 const float MOST_LINES = 16777216.0;
 
+// Part of texel space, its sides included; coordinates as those of the triangle.
+struct Window {
+    vec2 low;
+    vec2 high;
+};
+
+// What is looked at.
+struct Look {
+    Window window;
+    bool line;   // only the side from the first place to the second counts
+    bool texels; // not along sides
+};
+
+const float FAR = 1e30;
+const Window EVERYWHERE = Window(vec2(-FAR), vec2(FAR));
+
 float greatest(const vec3 v) {
     return max(v.x, max(v.y, v.z));
+}
+
+float least(const vec3 v) {
+    return min(v.x, min(v.y, v.z));
 }
 
 float texel_at(const uint row, const uint column) {
@@ -45,9 +65,12 @@ struct MapSide {
     vec3 along;
 };
 
+// Beyond the border of a clamped map a place may be far from the cell, whose texels are then the same.
 float difference(const MapSide side, const vec4 t, const vec2 cell, const float at) {
     vec3 place = side.from + at * side.along;
-    return bilinear(t, place.xy - cell) - place.z;
+    vec2 f = place.xy - cell;
+    float above = t.x + f.x * (t.y - t.x), below = t.z + f.x * (t.w - t.z);
+    return above + f.y * (below - above) - place.z;
 }
 
 // Between two crossings with the lattice the difference is a parabola: its ends, and where it is level.
@@ -68,43 +91,58 @@ float piece(const Layer layer, const ivec2 origin, const MapSide side, const flo
     return worst;
 }
 
-// The lattice lines that are met first.
+// Where a side enters and leaves a window; where it stays outside the former is greater.
+vec2 part_of(const MapSide side, const Window window) {
+    vec2 from = side.from.xy, along = side.along.xy;
+    bvec2 level = equal(along, vec2(0.0));
+    vec2 by = mix(along, vec2(1.0), level);
+    vec2 low = (window.low - from) / by, high = (window.high - from) / by;
+    vec2 outside = mix(vec2(0.0), vec2(FAR), notEqual(clamp(from, window.low, window.high), from));
+    vec2 enter = mix(min(low, high), outside, level), leave = mix(max(low, high), vec2(FAR), level);
+    return vec2(max(0.0, max(enter.x, enter.y)), min(1.0, min(leave.x, leave.y)));
+}
+
+// Where a side meets lines.
+vec2 lines_at(const MapSide side, const vec2 lines) {
+    bvec2 level = equal(side.along.xy, vec2(0.0));
+    return mix((lines - side.from.xy) / mix(side.along.xy, vec2(1.0), level), vec2(FAR), level);
+}
+
+// The lattice lines that are met next.
 vec2 first_lines(const vec2 from, const vec2 along) {
     return mix(ceil(from) - 1.0, floor(from) + 1.0, greaterThan(along, vec2(0.0)));
 }
 
-// Along the sides, piece by piece; of a line only the first.
-float along_sides(const Layer layer, const MapTriangle triangle, const bool line, const float cap) {
+// Along the sides within the window, piece by piece.
+float along_sides(const Layer layer, const MapTriangle triangle, const Look what, float worst, const float cap) {
     vec3 x = triangle.x, y = triangle.y, value = triangle.value;
     vec3 crossed = abs(x - x.yzx) + abs(y - y.yzx) + 4.0;
     uint most = uint(min(crossed.x + crossed.y + crossed.z, MOST_LINES));
-    float worst = 0.0;
-    float start = 1.0;
-    uint sides = line ? 1u : 3u;
+    vec2 part = vec2(1.0);
+    uint sides = what.line ? 1u : 3u;
     MapSide side;
     vec2 next;
     [[dont_unroll]] for (uint n = 0u; n < most && worst <= cap; ++n) {
-        if (start >= 1.0) {
+        if (part.x >= part.y) {
             if (sides == 0u) {
                 break;
             }
             --sides;
             side.from = vec3(x.x, y.x, value.x);
             side.along = vec3(x.y, y.y, value.y) - side.from;
-            next = first_lines(side.from.xy, side.along.xy);
-            start = 0.0;
+            part = part_of(side, what.window);
+            next = first_lines(side.from.xy + part.x * side.along.xy, side.along.xy);
             x = x.yzx;
             y = y.yzx;
             value = value.yzx;
         }
-        vec2 to = vec2(1.0);
-        to.x = side.along.x == 0.0 ? 1.0 : (next.x - side.from.x) / side.along.x;
-        to.y = side.along.y == 0.0 ? 1.0 : (next.y - side.from.y) / side.along.y;
-        float first = min(to.x, to.y);
-        float end = clamp(first, start, 1.0);
-        worst = max(worst, piece(layer, triangle.origin, side, start, end));
-        next += mix(vec2(0.0), sign(side.along.xy), lessThanEqual(to, vec2(end)));
-        start = first >= 1.0 ? 1.0 : end;
+        if (part.x < part.y) {
+            vec2 to = lines_at(side, next);
+            float end = clamp(min(to.x, to.y), part.x, part.y);
+            worst = max(worst, piece(layer, triangle.origin, side, part.x, end));
+            next += mix(vec2(0.0), sign(side.along.xy), lessThanEqual(to, vec2(end)));
+            part.x = end;
+        }
     }
     return worst;
 }
@@ -129,31 +167,35 @@ void cross_row(const MapTriangle triangle, const float row, const float rim, out
     }
 }
 
-// At the texels inside, row by row.
-float at_texels(const Layer layer, const MapTriangle triangle, const float cap) {
-    vec3 y = triangle.y;
-    vec2 low = vec2(min(triangle.x.x, min(triangle.x.y, triangle.x.z)), min(y.x, min(y.y, y.z)));
-    vec2 high = vec2(greatest(triangle.x), greatest(y));
-    float rim = RIM * (1.0 + max(high.x - low.x, high.y - low.y));
-    vec2 crossed = high - low + 3.0;
+Window around_of(const MapTriangle triangle) {
+    return Window(vec2(least(triangle.x), least(triangle.y)), vec2(greatest(triangle.x), greatest(triangle.y)));
+}
+
+// At the texels of the window inside, row by row.
+float at_texels(const Layer layer, const MapTriangle triangle, const Window window, float worst, const float cap) {
+    Window around = around_of(triangle);
+    vec2 extent = around.high - around.low;
+    float rim = RIM * (1.0 + max(extent.x, extent.y));
+    vec2 low = max(around.low, window.low), high = min(around.high, window.high);
+    vec2 crossed = max(high - low, 0.0) + 3.0;
     uint most = uint(min(crossed.x * crossed.y, 2.0e9));
     float row = ceil(low.y - rim) - 1.0;
     vec2 start = vec2(0.0), end = vec2(0.0);
-    float x = 1.0, slope = 0.0;
+    float x = 1.0, last = 0.0, slope = 0.0;
     uint row_first = 0u;
-    float worst = 0.0;
     [[dont_unroll]] for (uint n = 0u; n < most && worst <= cap; ++n) {
-        if (x > end.x + rim) {
+        if (x > last) {
             row += 1.0;
             if (row > high.y + rim) {
                 break;
             }
             cross_row(triangle, row, rim, start, end);
             slope = end.x > start.x ? (end.y - start.y) / (end.x - start.x) : 0.0;
-            x = ceil(start.x - rim);
+            x = ceil(max(start.x, low.x) - rim);
+            last = min(end.x, high.x) + rim;
             row_first = texel_of(layer.down, triangle.origin.y + integer(row)) * layer.row + layer.first;
         }
-        if (x <= end.x + rim) {
+        if (x <= last) {
             float linear = start.y + (x - start.x) * slope;
             float texel = texel_at(row_first, texel_of(layer.across, triangle.origin.x + integer(x)));
             worst = max(worst, abs(texel - linear));
@@ -163,17 +205,13 @@ float at_texels(const Layer layer, const MapTriangle triangle, const float cap) 
     return worst;
 }
 
-// The greatest difference; where it exceeds `cap`, some difference that does. A line is the side from the first place to
-// the second.
-float greatest_difference(const Layer layer, MapTriangle triangle, const bool line, const bool texels_only, const float cap) {
-    float worst = texels_only ? 0.0 : along_sides(layer, triangle, line, cap);
-    if (worst > cap || (line && !texels_only)) {
+// The greatest of `worst` and the differences there; where it exceeds `cap`, some difference that does.
+float look(const Layer layer, const MapTriangle triangle, const Look what, float worst, const float cap) {
+    if (!what.texels) {
+        worst = along_sides(layer, triangle, what, worst, cap);
+    }
+    if (worst > cap || (what.line && !what.texels)) {
         return worst;
     }
-    if (line) {
-        triangle.x.z = triangle.x.y;
-        triangle.y.z = triangle.y.y;
-        triangle.value.z = triangle.value.y;
-    }
-    return max(worst, at_texels(layer, triangle, cap));
+    return at_texels(layer, triangle, what.window, worst, cap);
 }

@@ -1,6 +1,7 @@
 //! The tessellator's passes on the device against their twins.
 
 mod bounds;
+mod large;
 mod refine;
 mod whole;
 

@@ -1,5 +1,5 @@
-//! Tables of the bound of the distance from triangles to the surface, and push constants of the `bound_*` passes; see
-//! `bound.glsl`. Places count units of 2^-24.
+//! Tables of the bound of the distance from triangles to the surface, and push constants of the `bound_*` and
+//! `pyramid_*` passes; see `bound.glsl`. Places count units of 2^-24.
 
 mirrors! {
     /// A triangle within a base triangle: barycentrics b1, b2 of its corners.
@@ -66,17 +66,115 @@ mirrors! {
         pub share: f32,
     }
 
-    pub struct BoundMapsParams {
+    /// Part of a map: over it the values are in `range`, and are value + x · slope[0] + y · slope[1] + something in
+    /// `rest`, with x and y in texels from its first. Ranges are least and greatest.
+    pub struct MapBlock {
+        pub value: f32,
+        pub slope: [f32; 2],
+        pub rest: [f32; 2],
+        pub range: [f32; 2],
+    }
+
+    /// All blocks of a map: level by level, the finest first, row by row.
+    #[derive(Eq)]
+    pub struct MapPyramid {
+        /// Of the map's period, across and down.
+        pub cells: [i32; 2],
+        /// Index of the first block.
+        pub first: u32,
+        /// The level of one block.
+        pub top: u32,
+    }
+
+    /// A rectangle of texel space, sides included.
+    pub struct Window {
+        pub low: [f32; 2],
+        pub high: [f32; 2],
+    }
+
+    /// Where the search over a large region begins; see `bound_plane.glsl`.
+    pub struct MapSearch {
+        pub around: Window,
+        pub slope: [f32; 2],
+        pub apart: f32,
+        pub near: f32,
+        pub low: [f32; 3],
+        pub high: [f32; 3],
+        pub period: [i32; 2],
+        pub level: u32,
+    }
+
+    pub struct PyramidBlocksParams {
+        pub count: u32,
+        pub layer: u32,
+    }
+
+    pub struct PyramidLevelsParams {
+        pub count: u32,
+        pub layer: u32,
+        /// 1 or more.
+        pub level: u32,
+    }
+
+    /// A region on the map of a layer: lattice coordinates of its corners less `origin`.
+    pub struct MapPlaces {
+        pub x: [f32; 3],
+        pub y: [f32; 3],
+        pub origin: [i32; 2],
+    }
+
+    /// By what a region is bounded.
+    pub struct MapUse {
+        /// Or `geometry::NONE`.
+        pub layer: u32,
+        /// Of differences, unscaled.
+        pub cap: f32,
+    }
+
+    pub struct BoundPlacesParams {
         pub count: u32,
         pub of_lines: u32,
         /// Number among the layers of a detail.
         pub layer: u32,
         /// Texel places of a vertex.
         pub stride: u32,
-        /// 1: maps count at their texels alone.
-        pub at_texels: u32,
         /// Local units.
         pub cap: f32,
+        /// Of a region that is not large: texels and crossings, about.
+        pub most_texels: f32,
+    }
+
+    pub struct BoundMapsParams {
+        pub count: u32,
+        pub of_lines: u32,
+        /// 1: maps count at their texels alone.
+        pub at_texels: u32,
+    }
+
+    pub struct BoundSidesParams {
+        /// Sides: three for each large region.
+        pub count: u32,
+        /// Place in the list of large regions.
+        pub first: u32,
+        pub of_lines: u32,
+        pub at_texels: u32,
+    }
+
+    pub struct BoundStartsParams {
+        pub count: u32,
+        pub first: u32,
+        pub of_lines: u32,
+        /// Local units, over all layers.
+        pub cap: f32,
+        /// At most of a region.
+        pub layers: u32,
+    }
+
+    pub struct BoundLargeParams {
+        pub count: u32,
+        pub first: u32,
+        pub of_lines: u32,
+        pub at_texels: u32,
     }
 
     pub struct BoundFieldsParams {

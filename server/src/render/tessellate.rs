@@ -107,7 +107,7 @@ fn attempts(
 ) -> Result<Tessellated> {
     let base = super::refine::base(mesh);
     let places = Places::new(tables, &base);
-    let on = device.map(|device| OnDevice::new(device, &places, asked(plan))).transpose()?;
+    let on = device.map(|device| OnDevice::new(job, device, &places, asked(plan))).transpose()?;
     let work = |factor| Work::new(job, plan, &places, mesh, factor);
     let attempt = |factor| (Work { on: on.as_ref(), ..work(factor) }).run_anywhere();
     match budget::fitting(plan.max_triangles, attempt)? {

@@ -30,13 +30,13 @@ use crate::raster::device;
 const TRIANGLES: usize = 200;
 /// Half a unit in the last place of 1.
 const EPSILON: f64 = 1.0 / (1 << 24) as f64;
-const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+pub(super) const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const TURNED: [[f32; 3]; 2] = [[1.3, 0.4, -0.2], [-0.35, 1.1, 0.7]];
 
-fn found(places: &Places<'_>, asked: Asked, facets: &[FacetPlace], cap: f32) -> Vec<f32> {
+pub(super) fn found(places: &Places<'_>, asked: Asked, facets: &[FacetPlace], cap: f32) -> Vec<f32> {
     let cancel = Cancel::default();
     let job = JobContext { cancel: &cancel, progress: &NoProgress };
-    let bounds = Bounds::new(device(), places, asked).expect("fits");
+    let bounds = Bounds::new(&job, device(), places, asked).expect("fits");
     let stream = Stream::from_slice(device(), "facets", facets).expect("fits");
     let recorder = device().recorder(&cancel, &NoProgress);
     let (recorder, found) = bounds.record(&job, recorder, &stream, facets.len() as u64, cap).expect("records");
@@ -45,7 +45,7 @@ fn found(places: &Places<'_>, asked: Asked, facets: &[FacetPlace], cap: f32) -> 
 }
 
 /// Of all sizes, slivers among them; some with corners on coarse lattices, where sides run along rows of texels.
-fn triangles(base_triangles: u32) -> Vec<FacetPlace> {
+pub(super) fn triangles(base_triangles: u32) -> Vec<FacetPlace> {
     let mut random = StdRng::seed_from_u64(u64::from(base_triangles));
     let mut triangles = Vec::new();
     while triangles.len() < TRIANGLES {
@@ -63,13 +63,13 @@ fn triangles(base_triangles: u32) -> Vec<FacetPlace> {
     triangles
 }
 
-fn corners(facet: &FacetPlace) -> [DVec3; 3] {
+pub(super) fn corners(facet: &FacetPlace) -> [DVec3; 3] {
     [facet.a, facet.b, facet.c].map(|[b1, b2]| share_of([UNIT - b1 - b2, b1, b2]))
 }
 
 /// What rounding may make of a bound: some units in its last place, and a share of the heights for each texel of the
 /// triangle's extent.
-fn rounding(places: &Places<'_>, facet: &FacetPlace, bound: f64) -> f64 {
+pub(super) fn rounding(places: &Places<'_>, facet: &FacetPlace, bound: f64) -> f64 {
     let heights = places.layers(places.tables.base_triangles[facet.base as usize].detail).iter();
     let of_layer = |layer: &geometry::Layer| f64::from(layer.scale.abs()) * (8.0 + extent(places, facet, layer));
     EPSILON * (16.0 * bound + 16.0 * heights.map(of_layer).sum::<f64>())
@@ -90,7 +90,7 @@ fn extent(places: &Places<'_>, facet: &FacetPlace, layer: &geometry::Layer) -> f
     range(0) + range(1)
 }
 
-fn check(what: &str, subject: &Subject, asked: Asked) {
+pub(super) fn check(what: &str, subject: &Subject, asked: Asked) {
     let places = Places::new(&subject.tables, &subject.base);
     let facets = triangles(subject.base.triangles.len() as u32);
     for (facet, found) in facets.iter().zip(found(&places, asked, &facets, f32::MAX)) {
@@ -103,9 +103,9 @@ fn check(what: &str, subject: &Subject, asked: Asked) {
     }
 }
 
-const EVERYWHERE: Asked = Asked { at_texels: false };
-const AT_TEXELS: Asked = Asked { at_texels: true };
-const WRAPS: [(Wrap, Sampling); 4] = [
+pub(super) const EVERYWHERE: Asked = Asked { at_texels: false };
+pub(super) const AT_TEXELS: Asked = Asked { at_texels: true };
+pub(super) const WRAPS: [(Wrap, Sampling); 4] = [
     (Wrap::Repeat, Sampling::Center),
     (Wrap::Mirror, Sampling::Center),
     (Wrap::Clamp, Sampling::Node),
@@ -177,7 +177,12 @@ fn what_is_above_the_cap_is_told_from_what_is_not() {
     for cap in [0.01, 0.1, 1.0] {
         let capped = found(&places, EVERYWHERE, &facets, cap);
         for (whole, capped) in all.iter().zip(capped) {
-            assert!(if *whole > cap { capped > cap } else { capped == *whole }, "{capped} for {whole}, cap {cap}");
+            // A search may stop so near the truth.
+            let nearly = *whole * 0.9999..=cap.min(*whole + 1.01 * cap / 32.0);
+            assert!(
+                if *whole > cap { capped > cap } else { nearly.contains(&capped) },
+                "{capped} for {whole}, cap {cap}"
+            );
         }
     }
 }
@@ -200,16 +205,6 @@ fn small_triangles_on_large_maps_keep_their_digits() {
         let expected = bound(&places, EVERYWHERE, facet.base, corners(facet), 1.0, f64::INFINITY);
         assert!((f64::from(found) - expected).abs() < 40.0 * EPSILON, "{found}, not {expected}: {facet:?}");
     }
-}
-
-#[test]
-fn a_triangle_over_more_texels_than_a_thread_goes_over_is_off_by_all_the_relief() {
-    let wide = map([2048, 2048], Wrap::Repeat, Sampling::Center, |x, y| if x == 77 && y == 99 { 0.75 } else { 0.5 });
-    let subject = Subject::new(&meshes::plane(1), 3.0, vec![layer(wide, 1.0, [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])]);
-    let places = Places::new(&subject.tables, &subject.base);
-    let whole = FacetPlace { base: 0, a: [0, 0], b: [UNIT, 0], c: [0, UNIT] };
-    let part = FacetPlace { base: 0, a: [UNIT / 2, 0], b: [UNIT / 2 + 999, 0], c: [UNIT / 2, 999] };
-    assert_eq!(found(&places, EVERYWHERE, &[whole, part], f32::MAX), [0.25, 0.0]);
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn on_device(subject: &Subject, allowed: f64, limit: u64) -> Option<(Refined, u3
     let cancel = Cancel::default();
     let job = JobContext { cancel: &cancel, progress: &NoProgress };
     let places = Places::new(&subject.tables, &subject.base);
-    let bounds = Bounds::new(device(), &places, ALL).expect("fits");
+    let bounds = Bounds::new(&job, device(), &places, ALL).expect("fits");
     device::refine(&job, device(), &bounds, &subject.base, allowed, limit).expect("runs")
 }
 

@@ -130,3 +130,14 @@ fn tessellation_on_the_device_is_the_same_every_time_and_in_small_pages() {
     assert!(on(&paged, &subject, &plan).mesh.triangles == once);
     assert_eq!(paged.validation_messages(), Vec::<String>::new());
 }
+
+#[test]
+fn two_triangles_under_a_large_map_become_as_few_as_with_the_twin() {
+    // A hill on a plain: large regions are flat.
+    let hill = |x: u32, y: u32| {
+        let [dx, dy] = [x, y].map(|x| (x as f32 - 1400.0) / 150.0);
+        0.25 + 0.5 * (-dx * dx - dy * dy).exp()
+    };
+    let layers = vec![layer(map([2048, 2048], Wrap::Clamp, Sampling::Node, hill), 0.2, IDENTITY)];
+    check("hill", &Subject::new(&meshes::plane(1), 3.0, layers), &plan(0.004, ErrorAt::Surface));
+}

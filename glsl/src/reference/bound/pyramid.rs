@@ -4,19 +4,10 @@
 use rayon::prelude::*;
 
 use super::lattice::{Lattice, is_clamped};
+pub(super) use crate::layout::bound::MapBlock as Block;
 
 /// Cells along the side of a block of level 0.
 pub(super) const BLOCK: i64 = 8;
-
-/// A block of cells: over it the map is in `range`, and is value + x · slope[0] + y · slope[1] + something in `rest`, with
-/// x and y in texels from its first.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Block {
-    pub(super) value: f32,
-    pub(super) slope: [f32; 2],
-    pub(super) rest: [f32; 2],
-    pub(super) range: [f32; 2],
-}
 
 /// Blocks that are `BLOCK << level` cells wide.
 #[derive(Clone, Debug)]
@@ -51,10 +42,20 @@ impl Pyramid {
         self.block(self.top(), [0, 0]).range.map(f64::from)
     }
 
-    /// By how much the values of the map differ at most.
+    /// Of the map's period, across and down.
     #[must_use]
-    pub fn relief(&self) -> f64 {
-        self.range()[1] - self.range()[0]
+    pub fn cells(&self) -> [i64; 2] {
+        self.cells
+    }
+
+    /// How many blocks each level has, across and down, the finest level first; the last has one.
+    pub fn sizes(&self) -> impl Iterator<Item = [i64; 2]> {
+        self.levels.iter().map(|level| level.size)
+    }
+
+    /// Level by level, the finest first, row by row.
+    pub fn blocks(&self) -> impl Iterator<Item = &Block> {
+        self.levels.iter().flat_map(|level| &level.blocks)
     }
 
     pub(super) fn top(&self) -> usize {
@@ -130,16 +131,20 @@ impl Block {
     }
 
     /// Around the texels of cells [x0, x1) and [y0, y1). At the ends of the period a map that repeats from node to
-    /// node may hold another texel the first time.
+    /// node may hold another texel the first time; one that is clamped holds no other.
     fn over(lattice: &Lattice<'_>, cells: [i64; 2], x: [i64; 2], y: [i64; 2]) -> Self {
         let corners = y.map(|y| x.map(|x| lattice.at(x, y)));
         let mut block = Self::with_plane(corners, [(x[1] - x[0]) as f64, (y[1] - y[0]) as f64]);
-        let again = |at: i64, cells: i64| if at == 0 || at == cells { [at, at + cells] } else { [at; 2] };
+        let goes_on = lattice.axes().map(|axis| !is_clamped(axis));
+        let again = |at: i64, k: usize| {
+            let is_end = at == 0 || at == cells[k];
+            if goes_on[k] && is_end { [at, at + cells[k]] } else { [at; 2] }
+        };
         for row in y[0]..=y[1] {
             for column in x[0]..=x[1] {
                 let plane = block.plane((column - x[0]) as f64, (row - y[0]) as f64);
-                for v in again(row, cells[1]) {
-                    for u in again(column, cells[0]) {
+                for v in again(row, 1) {
+                    for u in again(column, 0) {
                         let value = lattice.at(u, v);
                         block.widen(value - plane, value - plane);
                         block.range = merged(block.range, [value as f32; 2]);

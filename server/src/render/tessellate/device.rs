@@ -4,11 +4,15 @@
 //! | file | passes | makes |
 //! |---|---|---|
 //! | `tables.rs` | | what the bound reads of the base mesh |
-//! | `bounds.rs` | bound_maps, bound_fields, bound_line_counts, bound_lines, bound_ramps | the bound of listed triangles |
+//! | `pyramids.rs` | pyramid_blocks, pyramid_levels | planes near ever larger blocks of each map |
+//! | `maps.rs` | bound_places, bound_maps, bound_sides, bound_starts, bound_large | how far a map is from linear over regions, few texels or many |
+//! | `bounds.rs` | bound_fields, bound_line_counts, bound_lines, bound_ramps | the bound of listed triangles |
 //! | `refine.rs` | refine_new, refine_places, refine_judge, and those of `render::refine` | rounds of refinement |
 //! | `simplify.rs`, `simplify/` | star_*, simplify_places, collapse_*, flip_* | rounds of collapses and flips |
 
 pub mod bounds;
+mod maps;
+pub mod pyramids;
 mod refine;
 pub mod simplify;
 pub mod tables;
@@ -54,7 +58,7 @@ fn is_faster(kind: DeviceKind) -> bool {
 /// Whether jobs on a device of this kind ever run the pass `name`: where not, it need not be compiled.
 #[must_use]
 pub fn runs(kind: DeviceKind, name: &str) -> bool {
-    let of_tessellation = ["bound_", "refine_", "star_", "simplify_", "collapse_", "flip_"];
+    let of_tessellation = ["pyramid_", "bound_", "refine_", "star_", "simplify_", "collapse_", "flip_"];
     is_faster(kind) || !of_tessellation.iter().any(|start| name.starts_with(start))
 }
 
@@ -81,8 +85,8 @@ pub(super) struct OnDevice {
 const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
 
 impl OnDevice {
-    pub(super) fn new(device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
-        let bounds = Bounds::new(device, places, asked)?;
+    pub(super) fn new(job: &JobContext<'_>, device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
+        let bounds = Bounds::new(job, device, places, asked)?;
         let rounding = ROUNDING * tables::largest_height(places.tables);
         Ok(Self { device: Arc::clone(device), bounds, rounding })
     }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use displace_glsl::{
     SHADERS,
-    layout::bound::{
-        BoundFieldsParams, BoundLineCountsParams, BoundLinesParams, BoundMapsParams, BoundRampsParams, Line,
-    },
+    layout::bound::{BoundFieldsParams, BoundLineCountsParams, BoundLinesParams, BoundRampsParams, Line},
     reference::{bound::Asked, place::Places},
 };
 
-use super::tables::BoundTables;
+use super::{
+    maps::{Maps, OnMap},
+    tables::BoundTables,
+};
 use crate::{
     domain::Result,
     render::{
@@ -22,7 +23,6 @@ use crate::{
 
 const WORD: u32 = 4;
 const PAIR: u32 = 8;
-const VEC4: u32 = 16;
 const MAT3: u32 = 36;
 
 /// The tables of one mesh on a device.
@@ -32,22 +32,20 @@ pub struct Bounds {
     triangles: Stream,
     ramps: Stream,
     ramp_parts: Stream,
-    texel_places: Stream,
-    layers: Stream,
-    texels: Stream,
-    reliefs: Stream,
-    stride: u32,
-    asked: Asked,
+    maps: Maps,
 }
 
 /// Triangles or lines, and what is found of them.
 #[derive(Clone, Copy)]
-struct Regions<'r> {
-    facets: &'r Stream,
-    lines: &'r Stream,
-    of_lines: bool,
-    count: u64,
-    cap: f32,
+pub(super) struct Regions<'r> {
+    pub(super) facets: &'r Stream,
+    pub(super) lines: &'r Stream,
+    /// The base triangles that facets lie in.
+    pub(super) triangles: &'r Stream,
+    pub(super) of_lines: bool,
+    pub(super) count: u64,
+    /// Local units.
+    pub(super) cap: f32,
     bounds: &'r Stream,
     /// Of lines.
     displaced: &'r Stream,
@@ -55,27 +53,21 @@ struct Regions<'r> {
 
 impl Bounds {
     /// `places` are those of tables that [`super::tables::supports`] says yes to.
-    pub fn new(device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
+    pub fn new(job: &JobContext<'_>, device: &Arc<Device>, places: &Places<'_>, asked: Asked) -> Result<Self> {
         let tables = BoundTables::new(places);
-        let reliefs: Vec<f32> =
-            places.pyramids.iter().map(|of| of.first().map_or(f32::MAX, |of| of.relief() as f32)).collect();
         Ok(Self {
             device: Arc::clone(device),
             vertices: Stream::from_slice(device, "bound_vertices", &tables.vertices)?,
             triangles: Stream::from_slice(device, "bound_triangles", &tables.triangles)?,
             ramps: Stream::from_slice(device, "ramps", &tables.ramps)?,
             ramp_parts: Stream::from_slice(device, "ramp_parts", &tables.ramp_parts)?,
-            texel_places: Stream::from_slice(device, "texel_places", &tables.texel_places)?,
-            layers: Stream::from_slice(device, "layers", &places.tables.layers)?,
-            texels: Stream::from_slice(device, "texels", &places.tables.texels)?,
-            reliefs: Stream::from_slice(device, "reliefs", &reliefs)?,
-            stride: tables.stride,
-            asked,
+            maps: Maps::new(job, device, places, &tables, asked)?,
         })
     }
 
     /// Records the bounds of the first `count` of `facets`, local units; of those above `cap` anything above it. At seams
-    /// what was recorded has to run first: what follows goes into the recorder that comes back.
+    /// and where triangles may be large what was recorded has to run first: what follows goes into the recorder that comes
+    /// back.
     pub fn record<'r>(
         &self,
         job: &'r JobContext<'_>,
@@ -88,51 +80,35 @@ impl Bounds {
         let bounds = Stream::new(device, "bounds", WORD, count)?;
         let nothing = Stream::new(device, "no lines", size_of::<Line>() as u32, 0)?;
         let displaced = Stream::new(device, "displaced", MAT3, 0)?;
-        let regions =
-            Regions { facets, lines: &nothing, of_lines: false, count, cap, bounds: &bounds, displaced: &displaced };
-        self.record_regions(&mut recorder, &regions)?;
+        let regions = Regions {
+            facets,
+            lines: &nothing,
+            triangles: &self.triangles,
+            of_lines: false,
+            count,
+            cap,
+            bounds: &bounds,
+            displaced: &displaced,
+        };
+        recorder = self.record_regions(job, recorder, &regions)?;
         if !self.ramps.is_empty() {
             recorder = self.record_ramps(job, recorder, &regions)?;
         }
         Ok((recorder, bounds))
     }
 
-    fn record_regions(&self, recorder: &mut Recorder<'_>, regions: &Regions<'_>) -> Result<()> {
-        let map_bounds = Stream::new(&self.device, "map_bounds", VEC4, regions.count)?;
-        for layer in 0..self.stride.max(1) {
-            self.record_map(recorder, regions, layer, &map_bounds)?;
-            self.record_field(recorder, regions, layer, &map_bounds)?;
-        }
-        Ok(())
-    }
-
-    fn record_map(
+    fn record_regions<'r>(
         &self,
-        recorder: &mut Recorder<'_>,
+        job: &'r JobContext<'_>,
+        mut recorder: Recorder<'r>,
         regions: &Regions<'_>,
-        layer: u32,
-        map_bounds: &Stream,
-    ) -> Result<()> {
-        let params = BoundMapsParams {
-            count: regions.count as u32,
-            of_lines: u32::from(regions.of_lines),
-            layer,
-            stride: self.stride,
-            at_texels: u32::from(self.asked.at_texels),
-            cap: regions.cap,
-        };
-        let streams = [
-            ("facets", regions.facets),
-            ("lines", regions.lines),
-            ("bound_triangles", &self.triangles),
-            ("layers", &self.layers),
-            ("texel_places", &self.texel_places),
-            ("texels", &self.texels),
-            ("map_bounds", map_bounds),
-            ("reliefs", &self.reliefs),
-        ];
-        recorder.dispatch(&SHADERS.bound_maps, regions.count, &params, &streams)?;
-        Ok(())
+    ) -> Result<Recorder<'r>> {
+        let on = OnMap::new(&self.device, regions.count)?;
+        for layer in 0..self.maps.layers().max(1) {
+            recorder = self.maps.record(job, recorder, regions, layer, &on)?;
+            self.record_field(&mut recorder, regions, layer, &on.bounds)?;
+        }
+        Ok(recorder)
     }
 
     fn record_field(
@@ -190,7 +166,7 @@ impl Bounds {
         // What lines come to has no cap: they are short.
         let regions =
             Regions { lines: &lines, of_lines: true, count: total, bounds: &bounds, displaced: &displaced, ..*of };
-        self.record_regions(&mut recorder, &regions)?;
+        recorder = self.record_regions(job, recorder, &regions)?;
         let streams = [
             ("facets", of.facets),
             ("bound_triangles", &self.triangles),

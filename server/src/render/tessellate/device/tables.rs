@@ -72,6 +72,26 @@ impl BoundTables {
         made
     }
 
+    /// About how many texels and crossings the largest triangle has under any of its layers: half its box, and its sides.
+    #[must_use]
+    pub fn largest_cost(&self) -> f64 {
+        let layers = |t: &BoundTriangle| 0..t.layers[1] - t.layers[0];
+        let all = self.triangles.iter().flat_map(|t| layers(t).map(move |number| self.cost(t.av, number)));
+        all.fold(0.0, f64::max)
+    }
+
+    fn cost(&self, av: [u32; 3], number: u32) -> f64 {
+        let at = av.map(|av| {
+            let TexelPlace { whole, rest } = self.texel_places[(av * self.stride + number) as usize];
+            [0, 1].map(|k| f64::from(whole[k]) + f64::from(rest[k]))
+        });
+        let [width, height] = [0, 1].map(|k| {
+            let of = at.map(|p| p[k]);
+            of[0].max(of[1]).max(of[2]) - of[0].min(of[1]).min(of[2])
+        });
+        0.5 * width * height + 8.0 * (width + height)
+    }
+
     fn place(&mut self, tables: &Tables, triangle: &BaseTriangle) {
         let [first, end] = layers_of(tables, triangle.detail);
         for (av, number) in triangle.av.iter().flat_map(|av| (0..end - first).map(move |k| (*av, k))) {
