@@ -33,7 +33,10 @@ const MAPS: [&str; 4] = [
 fn meshes(corpus: &Corpus) -> Vec<Mesh> {
     let accepted = corpus.models().into_iter().filter(|model| model.expect == Expect::Accept);
     let small = |mesh: &Mesh| !mesh.triangles.is_empty() && mesh.triangles.len() <= MOST_TRIANGLES;
-    accepted.flat_map(|model| of_file(&model.path)).filter(|mesh| small(mesh) && mesh.health.non_manifold_edges == 0).collect()
+    accepted
+        .flat_map(|model| of_file(&model.path))
+        .filter(|mesh| small(mesh) && mesh.health.non_manifold_edges == 0)
+        .collect()
 }
 
 fn of_file(path: &Path) -> Vec<Mesh> {
