@@ -176,7 +176,7 @@ impl Maps {
         recorder.dispatch(&SHADERS.bound_sides, 3 * threads, &params, &streams)?;
         let params = BoundStartsParams { count, first, of_lines, cap: regions.cap, layers: self.stride };
         let searches = ("searches", &searches);
-        let streams = [places, uses, layers, large, bounds, pyramids, blocks, searches];
+        let streams = [places, uses, layers, large, bounds, texels, pyramids, blocks, searches];
         recorder.dispatch(&SHADERS.bound_starts, threads, &params, &streams)?;
         let params = BoundLargeParams { count, first, of_lines, at_texels };
         let streams = [places, uses, layers, large, bounds, texels, side_bounds, pyramids, blocks, searches];
