@@ -58,9 +58,16 @@ pub(super) fn triangles(base_triangles: u32) -> Vec<FacetPlace> {
             let b = shift.map(|x: f64| ((x * f64::from(UNIT)) as u32 / step) * step);
             if b[0] + b[1] > UNIT { [UNIT - b[0], UNIT - b[1]] } else { b }
         };
-        triangles.push(FacetPlace { base, a: corner(), b: corner(), c: corner() });
+        let facet = FacetPlace { base, a: corner(), b: corner(), c: corner() };
+        triangles.extend((twice_area(&facet) != 0).then_some(facet));
     }
     triangles
+}
+
+/// No triangle of a mesh has none; along one without, what is linear between its corners is not defined.
+fn twice_area(facet: &FacetPlace) -> i64 {
+    let [a, b, c] = [facet.a, facet.b, facet.c].map(|b| b.map(i64::from));
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 pub(super) fn corners(facet: &FacetPlace) -> [DVec3; 3] {
