@@ -3,7 +3,8 @@
 //
 // One triangle is one region, and so is each line: a piece of a seam as one of its sides has it. A bound is made of passes
 // that each do one thing over all regions, since GLSL inlines everything and drivers compile large passes slowly:
-// bound_maps what a map does over a region, bound_fields what that comes to along directions that bend, and at seams
+// bound_places where a region lies on a map, bound_maps what a map does over few texels, bound_sides, bound_starts and
+// bound_large what it does over many, bound_fields what that comes to along directions that bend, and at seams
 // bound_line_counts and bound_lines the lines that a triangle needs, bound_ramps their sum.
 // Include after common.glsl and pages.glsl.
 

@@ -65,7 +65,7 @@ impl Judge<'_> {
         let worst = if first < most { first.max(self.error_of(&after[1], most)) } else { first };
         let key = keys::edge([c, d].map(|gv| self.mesh.keys[gv as usize]));
         let [low, high] = [triangles[0].min(triangles[1]), triangles[0].max(triangles[1])];
-        (worst < most).then(|| Flip { triangles: [low, high], after, gain: before - worst, key })
+        (worst < most).then_some(Flip { triangles: [low, high], after, gain: before - worst, key })
     }
 }
 
