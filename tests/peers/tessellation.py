@@ -1,14 +1,14 @@
 """Triangles for a tolerance: `displace apply` beside delatin, martini and meshoptimizer, on the same height fields.
 
     tessellation.py [--displace BIN] [--corpus DIR] [--fields d14,fbm] [--field FILE ...] [--errors 0.02,0.01]
-                    [--device NAME] [--out DIR] [--speed] [--json]
+                    [--device NAME] [--out DIR] [--json]
 
 Input of ours: the unit square of y = 0 as two triangles, normal +Y, u = x, v = z, `--sampling node`, so that texels are
 places of the full grid; `--tolerance-world` is e of the field's range. Every mesh, whoever made it, is then read at all
 texels in f64 by `heightfield.py`. Prints a Markdown table; exits 1 when a mesh of ours is further from a texel than the
 tolerance (but for the rounding of f32), leaves a texel out or turns a triangle over, when its bound does not hold, or when
-counts break the bars. `--speed` prints processor seconds instead, at e = 0.002 and on a map of 2049 x 2049. Without
-`--displace` only the others are run. Needs `npm install` in this folder, and the packages of requirements.txt.
+counts break the bars. Without `--displace` only the others are run. Needs `npm install` in this folder, and the packages of
+requirements.txt.
 """
 
 import argparse
@@ -34,9 +34,6 @@ COLLAPSE = {
 MOST_OF_COLLAPSE = 1.03
 # Geometric mean of ours / delatin.
 MOST_OF_DELATIN = {("d14", "fbm", "waves"): 0.68, ("bricks",): 0.15}
-SPEED_ERROR = 0.002
-# Continuous, as rough as real terrain, 512 x 4 + 1 texels a side.
-LARGE_OF, LARGE_TIMES = "d14", 4
 
 
 def fields(options) -> list[Field]:
@@ -120,28 +117,6 @@ def starts(rows: list[dict]) -> str:
     return ", ".join(f"{tool} {seconds:.2f}" for tool, seconds in least.items())
 
 
-def speed_table(rows: list[dict]) -> list[dict]:
-    """Prints the fields, their sum, and the large map, which is the last row."""
-    tools = [tool for tool in (*OURS, *PEERS) if all(tool in row["results"] for row in rows)]
-    seconds = lambda some, tool: sum(row["results"][tool].cpu_s for row in some)  # noqa: E731
-    small, large = rows[:-1], rows[-1:]
-    against = [f"{tool} / delatin" for tool in OURS if tool in tools]
-    print(f"| processor seconds, e = {SPEED_ERROR} | {' | '.join([*tools, *against])} | verdict |")
-    print("|---" * (2 + len(tools) + len(against)) + "|")
-    for name, some in [*((row["field"], [row]) for row in small), (f"all {len(small)}", small), (large[0]["field"], large)]:
-        line = [f"{seconds(some, tool):.2f}" for tool in tools]
-        line += [f"{seconds(some, tool) / seconds(some, 'delatin'):.2f}" for tool in OURS if tool in tools]
-        print(f"| {name} | {' | '.join(line)} | {'; '.join(fault for row in some for fault in row['faults']) or 'ok'} |")
-    return rows
-
-
-def large_field(options) -> Field:
-    source = heightfield.read_field(options.corpus / "heightfields" / f"{LARGE_OF}_513.exr")
-    heights = heightfield.mirrored(source, LARGE_TIMES)
-    file = heightfield.write_field(options.out / "large.exr", heights)
-    return Field(f"{LARGE_OF}, {LARGE_TIMES} x {LARGE_TIMES} mirrored, {len(heights)}^2", file, heights)
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--displace", type=Path, help="the displace binary; without it only the others are run")
@@ -151,12 +126,11 @@ def arguments():
     parser.add_argument("--errors", default="0.02,0.01,0.005,0.002", help="shares of the field's range")
     parser.add_argument("--device", help="of displace")
     parser.add_argument("--out", type=Path, help="keeps the files of the last run here (default: a temporary folder)")
-    parser.add_argument("--speed", action="store_true", help="processor seconds instead of counts")
     parser.add_argument("--json", action="store_true", help="everything measured, instead of a table")
     options = parser.parse_args()
     options.fields = options.fields.split(",") if options.fields else [] if options.field else list(COLLAPSE)
-    options.errors = [SPEED_ERROR] if options.speed else [float(e) for e in options.errors.split(",")]
-    if options.corpus is None and (options.fields or options.speed):
+    options.errors = [float(e) for e in options.errors.split(",")]
+    if options.corpus is None and options.fields:
         parser.error("the fields are in the corpus: give --corpus or set DISPLACE_CORPUS")
     options.corpus = options.corpus and Path(options.corpus)
     return options
@@ -172,14 +146,13 @@ def main() -> int:
 
 def check(options) -> int:
     displace = Displace(options.displace, options.device, options.out) if options.displace else None
-    inputs = fields(options) + ([large_field(options)] if options.speed else [])
-    rows = (row_of(field, e, displace, options.out) for field in inputs for e in options.errors)
+    rows = (row_of(field, e, displace, options.out) for field in fields(options) for e in options.errors)
     if options.json:
         rows = list(rows)
         plain = [row | {"results": {tool: asdict(result) for tool, result in row["results"].items()}} for row in rows]
         print(json.dumps({"rows": plain, "means": means(rows)}, indent=2))
     else:
-        rows = speed_table(list(rows)) if options.speed else counts_table(rows)
+        rows = counts_table(rows)
         print(f"left out of the seconds, to start: {starts(rows)}")
     bad = any(row["faults"] for row in rows) or any(mean["ratio"] > mean["most"] for mean in means(rows))
     return 1 if bad else 0

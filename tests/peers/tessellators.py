@@ -80,16 +80,21 @@ def run(command: list, **environment: str) -> Ran:
     return Ran(done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
-def by_peer(tool: str, field: Field, tolerance: float, out: Path) -> Result:
+def peer_mesh(tool: str, field: Field, tolerance: float, out: Path) -> tuple[Mesh, float, float]:
+    """A peer's mesh, its processor seconds, and those of the process besides."""
     raw, corners, size = out / "heights.raw", out / "corners.raw", len(field.heights)
     field.heights.tofile(raw)
     ran = run(["node", HERE / "tessellate.mjs", tool, raw, size, repr(tolerance), corners])
-    told = json.loads(ran.text)
+    seconds = json.loads(ran.text)["cpu_s"]
     y, x = np.divmod(np.arange(size * size), size)
     vertices = np.stack([x, y, field.heights.reshape(-1)], axis=1).astype(np.float64)
-    mesh = Mesh(vertices, np.fromfile(corners, np.uint32).reshape(-1, 3))
+    return Mesh(vertices, np.fromfile(corners, np.uint32).reshape(-1, 3)), seconds, ran.cpu_s - seconds
+
+
+def by_peer(tool: str, field: Field, tolerance: float, out: Path) -> Result:
+    mesh, seconds, start = peer_mesh(tool, field, tolerance, out)
     found = heightfield.deviation(mesh, field.heights)
-    return Result(told["triangles"], found.largest / tolerance, told["cpu_s"], ran.cpu_s - told["cpu_s"], faults=found.faults())
+    return Result(len(mesh.triangles), found.largest / tolerance, seconds, start, faults=found.faults())
 
 
 class Displace:
