@@ -16,23 +16,30 @@ const IMAGE: [f64; 2] = [1920.0, 1080.0];
 /// The least share of the image that a mesh covers while level k of its chain is shown, for each level: strictly
 /// falling, and 0 for the last.
 ///
-/// `tolerances_local` are those of the levels, rising; `radius_local` is that of a sphere around the mesh. Seen small
+/// `tolerances_local` are those of the levels; `radius_local` is that of a sphere around the mesh. Seen small
 /// where the next level's tolerance t looks a pixel long, the sphere is a disc of radius r / t pixels: pi (r / t)^2
 /// pixels of the image. However near that is, level k ends at a share of 2^-(k + 1): what a share of 1 ends is never shown
 /// by viewers that count what they show.
 #[must_use]
 pub fn coverages(radius_local: f64, tolerances_local: &[f64]) -> Vec<f64> {
-    let of_next = |(k, tolerance): (usize, &f64)| {
+    // Of views, a coarser level may be held to less than the one before it: what it shows is elsewhere.
+    let halved = |before: &mut f64, tolerance: &f64| {
         let share = PI * (radius_local / tolerance).powi(2) / (IMAGE[0] * IMAGE[1]);
-        share.min(0.5f64.powi(k as i32 + 1))
+        *before = share.min(0.5 * *before);
+        Some(*before)
     };
-    let next = tolerances_local.iter().skip(1).enumerate().map(of_next);
-    next.chain([0.0]).collect()
+    tolerances_local.iter().skip(1).scan(1.0, halved).chain([0.0]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thresholds_fall_whatever_the_tolerances_do() {
+        let found = coverages(1.0, &[1e-2, 4e-2, 3e-2, 0.5, 0.5]);
+        assert!(found.is_sorted_by(|a, b| a > b), "{found:?}");
+    }
 
     #[test]
     fn a_level_ends_where_the_next_ones_tolerance_is_a_pixel() {

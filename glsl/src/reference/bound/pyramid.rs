@@ -119,7 +119,8 @@ impl Block {
     fn with_plane(corners: [[f64; 2]; 2], [width, height]: [f64; 2]) -> Self {
         let [[a, b], [c, d]] = corners;
         let slope = [0.5 * (b - a + d - c) / width, 0.5 * (c - a + d - b) / height];
-        Self { value: a as f32, slope: slope.map(|s| s as f32), rest: NOTHING, range: NOTHING }
+        let finite = |slope: f64| Some(slope as f32).filter(|slope| slope.is_finite()).unwrap_or(0.0);
+        Self { value: a as f32, slope: slope.map(finite), rest: NOTHING, range: NOTHING }
     }
 
     pub(super) fn plane(&self, x: f64, y: f64) -> f64 {

@@ -232,6 +232,8 @@ impl<'s> Search<'s> {
             return;
         }
         let bound = self.bound(&area, &whole, &window).min(most);
+        // What f32 cannot tell of absurd heights has to be looked at.
+        let bound = if bound.is_nan() { f64::INFINITY } else { bound };
         if bound > self.worst {
             self.open.push(Open { bound, area });
         }

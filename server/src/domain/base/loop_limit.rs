@@ -31,8 +31,12 @@ const RESOLUTION: f64 = 1.0 / (1 << 24) as f64;
 /// Parts of all triangles of a mesh: 250 MB.
 const MOST_NODES: usize = 1 << 20;
 
+/// Triangles around a vertex: what is made of them grows with the cube of their number.
+const MOST_AROUND: usize = 512;
+
 /// Moves the vertices of the mesh to the limit, and returns its patches.
 pub(super) fn bend(mesh: &mut Mesh) -> Result<Patches> {
+    check_valence(mesh)?;
     let vertices: Vec<Vertex> = (0..mesh.gv_position.len()).into_par_iter().map(|gv| vertex(mesh, gv)).collect();
     let largest = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
     let smallest = f64::from(largest) * RESOLUTION;
@@ -169,6 +173,18 @@ impl Parts {
         self.made.points.extend(points);
         first
     }
+}
+
+fn check_valence(mesh: &Mesh) -> Result<()> {
+    let around = (0..mesh.gv_position.len()).map(|gv| mesh.gv_corner.list(gv).len()).max().unwrap_or(0);
+    if around <= MOST_AROUND {
+        return Ok(());
+    }
+    let message = format!(
+        "a vertex of mesh '{}' has {around} triangles around it; base loop takes {MOST_AROUND} at most: use base pn, or split the fan",
+        mesh.name
+    );
+    Err(Error::too_large("geometry.base", message))
 }
 
 /// The parts of all triangles as one table: whole triangles first.

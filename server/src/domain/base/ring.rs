@@ -55,6 +55,10 @@ impl Corner {
     pub(super) fn normal(&self) -> DVec3 {
         let n = self.ring.len();
         if self.closed {
+            // Two triangles back to back span no plane.
+            if n < 3 {
+                return DVec3::ZERO;
+            }
             let sum = |f: fn(f64) -> f64| -> DVec3 {
                 self.ring.iter().enumerate().map(|(k, q)| *q * f(TAU * k as f64 / n as f64)).sum()
             };

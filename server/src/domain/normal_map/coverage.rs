@@ -31,7 +31,11 @@ impl Claim {
 /// All claims, by triangle and then row. Coordinates outside 0 to 1 repeat. Fails where the triangles cover so many
 /// texels that they must lie on each other many times; `name` is that of the mesh.
 pub fn claims(sheet: &Sheet, size: [u32; 2], name: &str) -> Result<Vec<Claim>> {
-    let area = |triangle: usize| 0.5 * doubled_area(sheet.on_map(triangle, size)).abs();
+    // With the rows and columns that are gone through where a sliver covers next to nothing.
+    let area = |triangle: usize| {
+        let corners = sheet.on_map(triangle, size);
+        0.5 * doubled_area(corners).abs() + extent(corners.map(|c| c.x)) + extent(corners.map(|c| c.y))
+    };
     let covered: f64 = (0..sheet.triangles.len()).into_par_iter().map(area).sum();
     if covered <= MOST {
         let of = |triangle: usize| of_triangle(sheet.on_map(triangle, size), triangle as u32, size);
@@ -66,6 +70,10 @@ fn of_triangle(corners: [DVec2; 3], triangle: u32, size: [u32; 2]) -> Vec<Claim>
         }
     }
     found
+}
+
+fn extent(of: [f64; 3]) -> f64 {
+    of.into_iter().fold(f64::NEG_INFINITY, f64::max) - of.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The rows whose centres may lie between.
