@@ -72,7 +72,10 @@ class Ran:
 def run(command: list, **environment: str) -> Ran:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     words, variables = [str(word) for word in command], os.environ | environment
-    done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT_SECS, env=variables)
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT_SECS, env=variables)
+    except subprocess.TimeoutExpired as late:
+        raise Failed(f"{Path(words[0]).name} runs for more than {TIMEOUT_SECS} s") from late
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode != 0:
         told = (done.stderr.strip() or done.stdout.strip()).splitlines()
