@@ -176,7 +176,7 @@ mod tests {
         let uvs = vec![[0.0, 0.0], [100.0, 0.0], [0.0, 100.0]];
         let error = claims(&sheet(uvs, vec![[0, 1, 2]]), [1024, 1024], "wall").unwrap_err();
         assert_eq!(error.field.as_deref(), Some("geometry.normals"));
-        for part in ["'wall'", "5000.0 times", "unwrap", "normal_map_size"] {
+        for part in ["'wall'", "5000.2 times", "unwrap", "normal_map_size"] {
             assert!(error.message.contains(part), "{part}: {}", error.message);
         }
     }
