@@ -11,13 +11,18 @@ mod layers;
 mod linear;
 mod pyramid;
 mod ramps;
+mod rows;
 mod search;
 mod smooth;
+mod straight;
 mod summary;
 mod texels;
 
 pub use lattice::Lattice;
+pub(in crate::reference) use layers::in_map;
 pub use pyramid::Pyramid;
+pub(in crate::reference) use straight::direction;
+pub use texels::MapPlace;
 
 use glam::DVec3;
 
@@ -37,20 +42,46 @@ pub struct Asked {
 const RESOLUTION: f64 = 1.0 / 16.0;
 
 /// The bound must not depend on which corner comes first: what one round accepted the next would find too far off.
-fn ordered(mut corners: [DVec3; 3]) -> [DVec3; 3] {
-    let order = |a: &DVec3, b: &DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
-    corners.sort_unstable_by(order);
-    corners
+fn ordered(corners: [DVec3; 3], in_map: [MapPlace; 3]) -> ([DVec3; 3], [MapPlace; 3]) {
+    let mut order = [0, 1, 2];
+    let before = |i: usize, j: usize| {
+        let (a, b) = (corners[i], corners[j]);
+        a.x < b.x || a.x == b.x && (a.y < b.y || a.y == b.y && a.z < b.z)
+    };
+    for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+        if before(order[j], order[i]) {
+            order.swap(i, j);
+        }
+    }
+    (order.map(|k| corners[k]), order.map(|k| in_map[k]))
 }
 
 /// The largest distance anywhere on the triangle with these corners in base triangle t, as a share of `tolerance`; where
 /// that exceeds `most`, anything above `most`.
 #[must_use]
 pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tolerance: f64, most: f64) -> f64 {
-    let triangle = &places.tables.base_triangles[t as usize];
+    bound_in_map(places, asked, t, corners, [MapPlace::NONE; 3], tolerance, most)
+}
+
+/// As [`bound`], where it is known where the corners lie in the one map of the base triangle; see [`Places::in_map`].
+#[must_use]
+pub fn bound_in_map(
+    places: &Places<'_>,
+    asked: Asked,
+    t: u32,
+    corners: [DVec3; 3],
+    in_map: [MapPlace; 3],
+    tolerance: f64,
+    most: f64,
+) -> f64 {
     let (resolution, cap) = (RESOLUTION * tolerance, most * tolerance);
-    let (av, detail, corners) = (triangle.av, triangle.detail, ordered(corners));
-    let patch = layers::Patch { places, asked, av, patch: inside(t), detail, corners, resolution };
+    let (corners, in_map) = ordered(corners, in_map);
+    if let Some(own) = straight::bound(places, asked, t, in_map, cap) {
+        return own / tolerance;
+    }
+    let triangle = &places.tables.base_triangles[t as usize];
+    let (av, detail) = (triangle.av, triangle.detail);
+    let patch = layers::Patch { places, asked, av, patch: inside(t), detail, corners, in_map, resolution };
     let bend = smooth::bend(&patch);
     let own = bend + if bend > cap { 0.0 } else { patch.bound(cap - bend) };
     if own.is_nan() {

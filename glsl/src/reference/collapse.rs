@@ -3,12 +3,15 @@
 //! materials and seams stay exact.
 
 mod judge;
+mod nearby;
 mod star;
 
 use glam::DVec3;
 
-use super::{keys, refine::Base};
-use crate::layout::refine::{RefinedTriangle, RefinedVertex};
+use rayon::prelude::*;
+
+use super::{bound::MapPlace, keys, place::{Places, share_of}};
+use crate::layout::refine::{RefinedTriangle, RefinedVertex, UNIT, kind};
 pub use judge::Judge;
 
 /// A refined mesh being simplified.
@@ -20,6 +23,8 @@ pub struct Simplified {
     pub triangles: Vec<Facet>,
     /// Of vertices; see [`keys`].
     pub keys: Vec<u32>,
+    /// Of vertices within base triangles that have one map alone; nothing of others.
+    pub in_map: Vec<MapPlace>,
 }
 
 /// A triangle of the result.
@@ -95,6 +100,14 @@ impl Stars {
     }
 }
 
+fn in_map(places: &Places<'_>, vertex: &RefinedVertex) -> MapPlace {
+    let [b, c] = vertex.param;
+    match vertex.kind {
+        kind::INTERIOR => places.in_map(vertex.owner, share_of([UNIT - b - c, b, c])),
+        _ => MapPlace::NONE,
+    }
+}
+
 /// The turn of a vertex that stays.
 pub const NEVER: u64 = u64::MAX;
 
@@ -105,10 +118,14 @@ pub fn rank(error: f64) -> u64 {
 }
 
 impl Simplified {
-    /// With the keys of its vertices.
+    /// With what rounds of collapses read again and again of its vertices: their keys, and where they lie in the map.
+    /// What lies side by side gets numbers side by side, and so lies in memory.
     #[must_use]
-    pub fn keyed(self, base: &Base) -> Self {
-        Self { keys: self.vertices.iter().map(|vertex| keys::of(vertex, base)).collect(), ..self }
+    pub fn prepared(mut self, places: &Places<'_>) -> Self {
+        nearby::sort(&mut self);
+        let keys = self.vertices.par_iter().map(|vertex| keys::of(vertex, places.base)).collect();
+        let in_map = self.vertices.par_iter().map(|vertex| in_map(places, vertex)).collect();
+        Self { keys, in_map, ..self }
     }
 
     /// What a vertex comes before its neighbours by: the error, then its mixed key, so that along a row not each waits for
@@ -122,18 +139,23 @@ impl Simplified {
     /// Whether the vertex comes before all its neighbours.
     #[must_use]
     pub fn comes_first(&self, stars: &Stars, turns: &[u64], vertex: u32) -> bool {
-        let order = |v: u32| (turns[v as usize], v);
-        let mut around = stars.of(vertex).iter().flat_map(|t| self.triangles[*t as usize].gv);
-        turns[vertex as usize] != NEVER && around.all(|other| other == vertex || order(vertex) < order(other))
+        let own = (turns[vertex as usize], vertex);
+        let is_later = |other: &u32| own < (turns[*other as usize], *other) || *other == vertex;
+        own.0 != NEVER && stars.of(vertex).iter().all(|t| self.triangles[*t as usize].gv.iter().all(is_later))
     }
 
-    /// These vertices and their neighbours, ascending.
+    /// These vertices and their neighbours, each once; `seen` is false of all vertices, before and after.
     #[must_use]
-    pub fn around(&self, stars: &Stars, vertices: &[u32]) -> Vec<u32> {
-        let star = |vertex: &u32| stars.of(*vertex).iter().flat_map(|t| self.triangles[*t as usize].gv);
-        let mut around: Vec<u32> = vertices.iter().flat_map(star).collect();
-        around.sort_unstable();
-        around.dedup();
+    pub fn around(&self, stars: &Stars, vertices: &[u32], seen: &mut [bool]) -> Vec<u32> {
+        let mut around = Vec::with_capacity(7 * vertices.len());
+        for t in vertices.iter().flat_map(|vertex| stars.of(*vertex)) {
+            for gv in self.triangles[*t as usize].gv {
+                if !std::mem::replace(&mut seen[gv as usize], true) {
+                    around.push(gv);
+                }
+            }
+        }
+        around.iter().for_each(|gv| seen[*gv as usize] = false);
         around
     }
 

@@ -54,18 +54,16 @@ impl Judge<'_> {
         let [own, other] = triangles.map(|t| self.mesh.triangles[t as usize]);
         let [a, b, c] = [0, 1, 2].map(|k| own.gv[(side + k) % 3]);
         let d = other.gv.into_iter().find(|gv| *gv != a && *gv != b)?;
-        let after = [[c, a, d], [d, b, c]].map(|gv| Facet { gv, base: own.base });
         let before = triangles.iter().fold(0.0, |most: f64, t| most.max(errors[*t as usize]));
         let most = before - LEAST_GAIN;
-        let allowed = |after: &Facet| self.may_follow(&own, after) && self.may_follow(&other, after);
-        if other.base != own.base || most <= 0.0 || !after.iter().all(allowed) {
+        if other.base != own.base || most <= 0.0 {
             return None;
         }
-        let first = self.error_of(&after[0], most);
-        let worst = if first < most { first.max(self.error_of(&after[1], most)) } else { first };
+        let worst = self.turned([a, b, c, d], own.base, most)?;
+        let after = [[c, a, d], [d, b, c]].map(|gv| Facet { gv, base: own.base });
         let key = keys::edge([c, d].map(|gv| self.mesh.keys[gv as usize]));
         let [low, high] = [triangles[0].min(triangles[1]), triangles[0].max(triangles[1])];
-        (worst < most).then_some(Flip { triangles: [low, high], after, gain: before - worst, key })
+        Some(Flip { triangles: [low, high], after, gain: before - worst, key })
     }
 }
 

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::{
-    bound::{Lattice, Pyramid},
+    bound::{self, Lattice, MapPlace, Pyramid},
     displace, displace_expression, displace_vector, reconcile_corners, reconcile_edges,
     refine::{self, barycentrics},
     samples::share,
@@ -28,6 +28,8 @@ pub struct Places<'t> {
     pub av_correction: Vec<DVec3>,
     /// Of each channel of each layer's map, for [`super::bound`].
     pub pyramids: Vec<Vec<Pyramid>>,
+    /// Of base triangles over which nothing bends but a map: the length of their upright direction; not a number of others.
+    pub(super) straight: Vec<f64>,
     /// Seam of each ge, or [`NONE`].
     pub seam_of_edge: Vec<u32>,
     /// Displaced corners, by gv.
@@ -45,11 +47,13 @@ impl<'t> Places<'t> {
             base,
             av_correction: vec![DVec3::ZERO; tables.av_normal.len()],
             pyramids: tables.layers.iter().map(|layer| pyramids(tables, layer)).collect(),
+            straight: Vec::new(),
             seam_of_edge,
             corners: vec![DVec3::ZERO; base.positions.len()],
             mismatch: 0.0,
         };
         places.place_corners();
+        places.straight = (0..base.triangles.len()).map(|t| bound::direction(&places, t)).collect();
         places
     }
 
@@ -100,6 +104,18 @@ impl<'t> Places<'t> {
     pub fn layers(&self, detail: u32) -> &'t [Layer] {
         let range = self.tables.details[detail as usize].clone();
         &self.tables.layers[range.start as usize..range.end as usize]
+    }
+
+    /// Where barycentrics of base triangle t lie in its map; known of base triangles with one layer alone, of heights.
+    #[must_use]
+    pub fn in_map(&self, t: u32, b: DVec3) -> MapPlace {
+        bound::in_map(self, t, b)
+    }
+
+    /// Whether what lies over base triangle t never faces away from it: all of it is displaced straight up.
+    #[must_use]
+    pub fn is_height_field(&self, t: u32) -> bool {
+        self.straight[t as usize] >= 0.0
     }
 
     /// With the corner corrections, where there are any.

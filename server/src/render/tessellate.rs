@@ -181,7 +181,7 @@ impl<'w> Work<'w> {
 
     fn shrunk(&self, grown: Grown, budget: u64, mut times: Vec<PassTime>) -> Result<Attempt> {
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
-        let mut mesh = grown.mesh.keyed(self.places.base);
+        let mut mesh = grown.mesh.prepared(self.places);
         fit.collapse_rounds = timed("collapse", &mut times, || self.shrink(&mut mesh, SWEEPS[self.quality()]))?;
         let triangles = mesh.triangles.len() as u64;
         if triangles > budget {

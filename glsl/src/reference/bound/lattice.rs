@@ -1,6 +1,6 @@
 //! One channel of a map as a lattice of texels without end.
 
-use super::texels::{Line, Window};
+use super::{rows::Line, texels::Window};
 use crate::{
     layout::geometry::{Layer, MapAxis, kind},
     reference::map::wrapped,
@@ -150,7 +150,8 @@ impl Line {
         }
         let mut worst = most.into_iter().fold(worst, f64::max);
         for texel in rest {
-            worst = worst.max((f64::from(*texel) - self.at(x)).abs());
+            let difference = (f64::from(*texel) - self.at(x)).abs();
+            worst = if difference > worst { difference } else { worst };
             x += 1.0;
         }
         worst

@@ -7,16 +7,16 @@ use super::{
     field::{Field, Scalar},
     lattice::Lattice,
     search, smooth,
-    texels::Corner,
+    texels::MapPlace,
 };
 use crate::{
     layout::geometry::{Layer, kind},
     reference::{
         frame::{MIN_BLENDED_NORMAL, MIN_TANGENT_SQUARE, any_perpendicular},
-        map::{bilinear, texel_space},
         place::Places,
         site::vector,
     },
+    tables::Tables,
 };
 
 /// Texel space is cut off beyond this.
@@ -32,6 +32,8 @@ pub(super) struct Patch<'p> {
     pub(super) patch: u32,
     pub(super) detail: u32,
     pub(super) corners: [DVec3; 3],
+    /// The corners in the one map that there is, where that is known.
+    pub(super) in_map: [MapPlace; 3],
     /// Expressions are bounded no closer than this.
     pub(super) resolution: f64,
 }
@@ -65,11 +67,7 @@ impl Patch<'_> {
     }
 
     pub(super) fn uv(&self) -> [[f64; 2]; 3] {
-        let tables = self.places.tables;
-        let uv = self.av.map(|av| (tables.av_position_u[av as usize][3], tables.av_direction_v[av as usize][3]));
-        let u = DVec3::from_array(uv.map(|uv| f64::from(uv.0)));
-        let v = DVec3::from_array(uv.map(|uv| f64::from(uv.1)));
-        self.corners.map(|b| [b.dot(u), b.dot(v)])
+        uv(self.places.tables, self.av, self.corners)
     }
 
     fn frame(&self) -> Frame {
@@ -140,10 +138,9 @@ impl Patch<'_> {
     fn channel(&self, layer: &Layer, channel: u64, cap: f64) -> Scalar {
         let tables = self.places.tables;
         let scale = f64::from(layer.scale);
-        let corners = self.uv().map(|[u, v]| {
-            let [x, y] = texel_space(layer, u, v);
-            Corner { x, y, value: bilinear(tables, layer, channel, [x, y]) }
-        });
+        let is_known = self.in_map.iter().all(MapPlace::is_known);
+        let found = || self.uv().map(|uv| MapPlace::of(tables, layer, channel, uv));
+        let corners = if is_known { self.in_map } else { found() };
         let values = corners.map(|c| scale * (c.value - f64::from(layer.midlevel)));
         let cut = |x: [f64; 3]| x.iter().any(|x| x.abs() >= FARTHEST_TEXEL) && x.iter().any(|other| *other != x[0]);
         if cut(corners.map(|c| c.x)) || cut(corners.map(|c| c.y)) {
@@ -154,6 +151,26 @@ impl Patch<'_> {
         let pyramid = &self.places.pyramids[self.number(layer)][channel as usize];
         let found = search::greatest(&lattice, pyramid, corners, self.asked.at_texels, cap);
         Scalar { corners: values, curvature: found * scale.abs() }
+    }
+}
+
+/// Texture coordinates of places among three attribute vertices.
+fn uv<const N: usize>(tables: &Tables, av: [u32; 3], places: [DVec3; N]) -> [[f64; 2]; N] {
+    let uv = av.map(|av| (tables.av_position_u[av as usize][3], tables.av_direction_v[av as usize][3]));
+    let u = DVec3::from_array(uv.map(|uv| f64::from(uv.0)));
+    let v = DVec3::from_array(uv.map(|uv| f64::from(uv.1)));
+    places.map(|b| [b.dot(u), b.dot(v)])
+}
+
+/// Where barycentrics of base triangle t lie in its map of heights, if that is its only layer.
+pub(in crate::reference) fn in_map(places: &Places<'_>, t: u32, b: DVec3) -> MapPlace {
+    let triangle = &places.tables.base_triangles[t as usize];
+    match places.layers(triangle.detail) {
+        [layer] if layer.kind == kind::HEIGHT => {
+            let [uv] = uv(places.tables, triangle.av, [b]);
+            MapPlace::of(places.tables, layer, 0, uv)
+        }
+        _ => MapPlace::NONE,
     }
 }
 

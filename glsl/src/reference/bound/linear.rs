@@ -2,7 +2,7 @@
 
 use super::{
     pyramid::Block,
-    texels::{Corner, Window},
+    texels::{MapPlace, Window},
 };
 
 /// value + x · slope[0] + y · slope[1], and how far at most from it what it stands for is.
@@ -18,7 +18,7 @@ const NARROW: f64 = 1e-6;
 
 impl Linear {
     /// Between three corners.
-    pub(super) fn through(corners: &[Corner; 3]) -> Self {
+    pub(super) fn through(corners: &[MapPlace; 3]) -> Self {
         let [a, b, c] = corners;
         let (p, q) = ([b.x - a.x, b.y - a.y], [c.x - a.x, c.y - a.y]);
         let (up, uq) = (b.value - a.value, c.value - a.value);
@@ -65,9 +65,9 @@ fn length(of: [f64; 2]) -> f64 {
     of[0].hypot(of[1])
 }
 
-fn along_longest(corners: &[Corner; 3]) -> [f64; 2] {
+fn along_longest(corners: &[MapPlace; 3]) -> [f64; 2] {
     let sides = [0, 1, 2].map(|k| (corners[k], corners[(k + 1) % 3]));
-    let step = |(a, b): &(Corner, Corner)| [b.x - a.x, b.y - a.y];
+    let step = |(a, b): &(MapPlace, MapPlace)| [b.x - a.x, b.y - a.y];
     let longest = sides.into_iter().max_by(|a, b| length(step(a)).total_cmp(&length(step(b))));
     let Some((a, b)) = longest.filter(|side| length(step(side)) > 0.0) else { return [0.0; 2] };
     let d = step(&(a, b));
@@ -87,7 +87,7 @@ pub(super) struct Outside {
 const RIM: f64 = 1e-9;
 
 impl Outside {
-    pub(super) fn new(corners: &[Corner; 3], k: usize) -> Self {
+    pub(super) fn new(corners: &[MapPlace; 3], k: usize) -> Self {
         let [a, b, c] = [0, 1, 2].map(|j| corners[(k + j) % 3]);
         let side = Self { from: [a.x, a.y], d: [b.x - a.x, b.y - a.y], inside: [0.0; 2] };
         let third = side.cross([c.x, c.y]);

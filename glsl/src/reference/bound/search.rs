@@ -7,7 +7,8 @@ use super::{
     lattice::{Lattice, Plain, Source},
     linear::{Linear, Outside},
     pyramid::{BLOCK, Pyramid},
-    texels::{self, Corner, Window},
+    rows,
+    texels::{self, MapPlace, Window},
 };
 
 /// Over fewer texels and crossings a search takes longer than looking at them all.
@@ -23,7 +24,7 @@ const FIRST_BLOCKS: i64 = 16;
 pub(super) fn greatest(
     lattice: &Lattice<'_>,
     pyramid: &Pyramid,
-    corners: [Corner; 3],
+    corners: [MapPlace; 3],
     at_texels: bool,
     cap: f64,
 ) -> f64 {
@@ -47,21 +48,21 @@ fn cost(around: &Window) -> f64 {
     0.5 * width * height + 8.0 * (width + height)
 }
 
-fn sides(corners: &[Corner; 3]) -> [[Corner; 2]; 3] {
+fn sides(corners: &[MapPlace; 3]) -> [[MapPlace; 2]; 3] {
     [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]])
 }
 
-fn directly(source: &impl Source, corners: &[Corner; 3], window: &Window, at_texels: bool, cap: f64) -> f64 {
+fn directly(source: &impl Source, corners: &[MapPlace; 3], window: &Window, at_texels: bool, cap: f64) -> f64 {
     let mut worst = 0.0;
     for ends in sides(corners).into_iter().filter(|_| !at_texels) {
         worst = texels::side(source, ends, [0.0, 1.0], worst, cap);
     }
-    texels::rows(source, corners, window, worst, cap)
+    rows::rows(source, corners, window, worst, cap)
 }
 
 /// Along the parts of sides beyond the border of a clamped map. There the map is straight one way or both, so nothing
 /// between the sides is farther off.
-fn beyond(lattice: &Lattice<'_>, corners: &[Corner; 3], mut worst: f64, cap: f64) -> f64 {
+fn beyond(lattice: &Lattice<'_>, corners: &[MapPlace; 3], mut worst: f64, cap: f64) -> f64 {
     let domain = lattice.domain();
     for ends in sides(corners) {
         let [enter, leave] = domain.part(ends).unwrap_or([1.0, 1.0]);
@@ -121,7 +122,7 @@ impl Eq for Open {}
 struct Search<'s> {
     lattice: &'s Lattice<'s>,
     pyramid: &'s Pyramid,
-    corners: [Corner; 3],
+    corners: [MapPlace; 3],
     at_texels: bool,
     cap: f64,
     /// What of texel space the triangle can have to do with.
@@ -133,7 +134,7 @@ struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    fn new(lattice: &'s Lattice<'s>, pyramid: &'s Pyramid, corners: [Corner; 3], at_texels: bool, cap: f64) -> Self {
+    fn new(lattice: &'s Lattice<'s>, pyramid: &'s Pyramid, corners: [MapPlace; 3], at_texels: bool, cap: f64) -> Self {
         Self {
             lattice,
             pyramid,
@@ -283,7 +284,7 @@ impl<'s> Search<'s> {
                 self.worst = texels::side(source, ends, part, self.worst, self.cap);
             }
         }
-        self.worst = texels::rows(source, &self.corners, window, self.worst, self.cap);
+        self.worst = rows::rows(source, &self.corners, window, self.worst, self.cap);
     }
 }
 

@@ -5,13 +5,33 @@
 //! the difference along it, a parabola, is level. Beyond the border of a clamped map the lattice has no lines.
 
 use super::lattice::Source;
+use crate::{
+    layout::geometry::Layer,
+    reference::map::{bilinear, texel_space},
+    tables::Tables,
+};
 
-/// A corner in texel space and the map's value there.
+/// A place in texel space and the map's value there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
+pub struct MapPlace {
     pub(super) x: f64,
     pub(super) y: f64,
     pub(super) value: f64,
+}
+
+impl MapPlace {
+    /// Of what lies in no map, or in several.
+    pub const NONE: Self = Self { x: f64::NAN, y: f64::NAN, value: f64::NAN };
+
+    #[must_use]
+    pub(in crate::reference) fn is_known(&self) -> bool {
+        !self.x.is_nan()
+    }
+
+    pub(super) fn of(tables: &Tables, layer: &Layer, channel: u64, [u, v]: [f64; 2]) -> Self {
+        let [x, y] = texel_space(layer, u, v);
+        Self { x, y, value: bilinear(tables, layer, channel, [x, y]) }
+    }
 }
 
 /// Part of texel space, sides included.
@@ -21,19 +41,8 @@ pub(super) struct Window {
     pub(super) high: [f64; 2],
 }
 
-/// What is linear along a row of texels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub(super) x: f64,
-    pub(super) value: f64,
-    pub(super) slope: f64,
-}
-
-/// A texel a rounding error outside counts as inside.
-const RIM: f64 = 1e-9;
-
 impl Window {
-    pub(super) fn around(corners: &[Corner; 3]) -> Self {
+    pub(super) fn around(corners: &[MapPlace; 3]) -> Self {
         let at = corners.map(|c| [c.x, c.y]);
         Self {
             low: [0, 1].map(|k| at[0][k].min(at[1][k]).min(at[2][k])),
@@ -46,7 +55,7 @@ impl Window {
     }
 
     /// Where the side from a to b enters and leaves; none where it stays outside.
-    pub(super) fn part(&self, [a, b]: [Corner; 2]) -> Option<[f64; 2]> {
+    pub(super) fn part(&self, [a, b]: [MapPlace; 2]) -> Option<[f64; 2]> {
         let mut part = [0.0, 1.0];
         for (from, to, low, high) in [(a.x, b.x, self.low[0], self.high[0]), (a.y, b.y, self.low[1], self.high[1])] {
             let d = to - from;
@@ -63,48 +72,10 @@ impl Window {
     }
 }
 
-/// The greatest of `worst` and the differences at the texels of the window inside the triangle.
-pub(super) fn rows(source: &impl Source, corners: &[Corner; 3], window: &Window, mut worst: f64, cap: f64) -> f64 {
-    let triangle = Window::around(corners);
-    let [low, high] = [triangle.low[1].max(window.low[1]), triangle.high[1].min(window.high[1])];
-    let mut y = (low - RIM).ceil();
-    while y <= high + RIM && worst <= cap {
-        worst = row(source, corners, y, window, worst);
-        y += 1.0;
-    }
-    worst
-}
-
-/// Where a row of texels enters and leaves the triangle.
-fn row(source: &impl Source, corners: &[Corner; 3], y: f64, window: &Window, worst: f64) -> f64 {
-    let mut start = Corner { x: f64::INFINITY, y, value: 0.0 };
-    let mut end = Corner { x: f64::NEG_INFINITY, y, value: 0.0 };
-    for k in 0..3 {
-        let (a, b) = (corners[k], corners[(k + 1) % 3]);
-        let (low, high) = (a.y.min(b.y), a.y.max(b.y));
-        if y < low - RIM || y > high + RIM {
-            continue;
-        }
-        let shares = if b.y == a.y { [0.0, 1.0] } else { [((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0); 2] };
-        for t in shares {
-            let met = Corner { x: a.x + t * (b.x - a.x), y, value: a.value + t * (b.value - a.value) };
-            start = if met.x < start.x { met } else { start };
-            end = if met.x > end.x { met } else { end };
-        }
-    }
-    let width = end.x - start.x;
-    let slope = if width > 0.0 { (end.value - start.value) / width } else { 0.0 };
-    let (first, last) = ((start.x.max(window.low[0]) - RIM).ceil(), (end.x.min(window.high[0]) + RIM).floor());
-    if first > last {
-        return worst;
-    }
-    source.row(y as i64, [first as i64, last as i64], Line { x: start.x, value: start.value, slope }, worst)
-}
-
 /// The greatest of `worst` and the differences along part of a side, cell by cell, until one exceeds `cap`.
 pub(super) fn side(
     source: &impl Source,
-    ends: [Corner; 2],
+    ends: [MapPlace; 2],
     [mut start, last]: [f64; 2],
     mut worst: f64,
     cap: f64,
@@ -129,7 +100,7 @@ pub(super) fn side(
     worst
 }
 
-fn piece(source: &impl Source, a: Corner, b: Corner, t: [f64; 2]) -> f64 {
+fn piece(source: &impl Source, a: MapPlace, b: MapPlace, t: [f64; 2]) -> f64 {
     let at = |t: f64| [a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)];
     let middle = 0.5 * (t[0] + t[1]);
     let cell = at(middle).map(f64::floor);

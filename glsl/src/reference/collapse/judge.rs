@@ -3,15 +3,16 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::{
     Candidate, Facet, MOST_AROUND, Simplified, Stars,
-    star::{Around, Star, twice_area},
+    star::{Corner, Star, Triangle, corners, twice_area},
 };
 use crate::{
     layout::refine::{RefinedVertex, kind},
     reference::{
-        bound::{Asked, bound},
+        bound::{Asked, bound_in_map},
         place::Places,
     },
 };
@@ -50,9 +51,10 @@ impl Judge<'_> {
     #[must_use]
     pub fn candidate(&self, vertex: u32) -> Candidate {
         let Some(star) = self.star(vertex) else { return Candidate::None };
-        let mut moves: Vec<Move> = self.moves(&star, vertex).collect();
+        let mut moves: SmallVec<[Move; 10]> = self.moves(&star, vertex).collect();
         let order = |planned: &Move| (planned.least, self.mesh.keys[planned.to as usize], planned.to);
-        moves.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
+        moves.sort_unstable_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
+        let star = star.in_map(self.places, self.mesh);
         let mut best: Option<(u32, f64)> = None;
         for planned in moves {
             let most = best.map_or(1.0, |(_, error)| error);
@@ -70,15 +72,15 @@ impl Judge<'_> {
         let triangles = self.stars.of(vertex);
         let stays = self.mesh.vertices[vertex as usize].kind == kind::CORNER;
         (!stays && !triangles.is_empty() && triangles.len() <= MOST_AROUND)
-            .then(|| Star::new(self.places.base, self.mesh, triangles, vertex))
+            .then(|| Star::new(self.places, self.mesh, triangles, vertex))
     }
 
     /// The ways it may go.
     fn moves<'s>(&'s self, star: &'s Star, vertex: u32) -> impl Iterator<Item = Move> + 's {
         let moving = self.mesh.vertices[vertex as usize];
         let sheets = if moving.kind == kind::EDGE { star.sheets() } else { 2 };
-        let open = move |to: &&u32| self.is_open(star, &moving, **to, sheets);
-        star.neighbours.iter().filter(open).filter_map(|to| self.planned(star, *to))
+        let open = move |to: &u32| self.is_open(star, &moving, *to, sheets);
+        star.neighbours().filter(open).filter_map(|to| self.planned(star, to))
     }
 
     /// Whether the vertex may go there at all: along its base edge, and with as many triangles vanishing as there are
@@ -98,10 +100,10 @@ impl Judge<'_> {
     fn planned(&self, star: &Star, to: u32) -> Option<Move> {
         let mut least: f64 = 0.0;
         for (before, after) in star.after(to) {
-            if after.twice_area() <= 0 || !self.faces_as(before, &after) {
+            if after.twice_area() <= 0 || !self.faces_as(&before, &after) {
                 return None;
             }
-            least = least.max(self.lost(before, &after));
+            least = least.max(self.lost(&before, &after));
             if least > 1.0 {
                 return None;
             }
@@ -110,9 +112,9 @@ impl Judge<'_> {
     }
 
     /// How far the place of the vertex is from a triangle that now lies over it, as a share of the tolerance.
-    fn lost(&self, before: &Around, after: &Around) -> f64 {
-        let [a, b, c] = after.corners.each_ref().map(|corner| corner.units);
-        let left = before.corners[0].units;
+    fn lost(&self, before: &Triangle<'_>, after: &Triangle<'_>) -> f64 {
+        let [a, b, c] = after.0.map(|corner| corner.units);
+        let left = before.0[0].units;
         let (beyond_b, beyond_c) = (twice_area([a, left, c]), twice_area([a, b, left]));
         if beyond_b < 0 || beyond_c < 0 {
             return 0.0;
@@ -122,7 +124,7 @@ impl Judge<'_> {
         let shares = [at_a, beyond_b, beyond_c].map(|share| share as f64 / whole);
         let positions = after.positions();
         let flat = positions[0] * shares[0] + positions[1] * shares[1] + positions[2] * shares[2];
-        flat.distance(before.corners[0].position) / (self.tolerance)(positions)
+        flat.distance(before.0[0].position) / (self.tolerance)(positions)
     }
 
     /// The largest error of the triangles that come of it; none above `most`.
@@ -141,27 +143,43 @@ impl Judge<'_> {
     /// As a share of the tolerance; anything above `most` where it is above.
     #[must_use]
     pub fn error_of(&self, facet: &Facet, most: f64) -> f64 {
-        self.error_at(&self.around(facet), most)
+        let corners = corners(self.places, self.mesh, facet).map(|corner| corner.in_map(self.places, self.mesh));
+        self.error_at(&Triangle(corners.each_ref()), most)
     }
 
-    fn error_at(&self, around: &Around, most: f64) -> f64 {
-        let tolerance = (self.tolerance)(around.positions());
-        bound(self.places, self.asked, around.base, around.shares(), tolerance, most)
+    fn error_at(&self, triangle: &Triangle<'_>, most: f64) -> f64 {
+        let tolerance = (self.tolerance)(triangle.positions());
+        bound_in_map(self.places, self.asked, triangle.base(), triangle.shares(), triangle.in_map(), tolerance, most)
     }
 
-    fn around(&self, facet: &Facet) -> Around {
-        Around::new(self.places.base, self.mesh, facet, 0)
+    /// The larger error of what turning the side ab between the triangles abc and bad makes, below `most`; none where
+    /// it is not, or where a new triangle would run or face the other way.
+    pub(in crate::reference) fn turned(&self, gv: [u32; 4], base: u32, most: f64) -> Option<f64> {
+        let corners = gv.map(|gv| Corner::new(self.places, self.mesh, gv, base));
+        let before = triangles(&corners, [[0, 1, 2], [1, 0, 3]]);
+        let follows = |after: &Triangle<'_>| {
+            after.twice_area() > 0 && before.iter().all(|before| self.faces_as(before, after))
+        };
+        let after = [[2, 0, 3], [3, 1, 2]];
+        if !triangles(&corners, after).iter().all(follows) {
+            return None;
+        }
+        let corners = corners.map(|corner| corner.in_map(self.places, self.mesh));
+        let mut worst: f64 = 0.0;
+        for triangle in triangles(&corners, after) {
+            worst = worst.max(self.error_at(&triangle, most));
+            if worst >= most {
+                return None;
+            }
+        }
+        Some(worst)
     }
 
-    /// Whether a triangle may take the place of another: it runs the same way in its base triangle, and faces as that
-    /// does or nearly as the old one did.
-    pub(in crate::reference) fn may_follow(&self, before: &Facet, after: &Facet) -> bool {
-        let [before, after] = [before, after].map(|facet| self.around(facet));
-        after.twice_area() > 0 && self.faces_as(&before, &after)
-    }
-
-    fn faces_as(&self, before: &Around, after: &Around) -> bool {
-        let facing = self.places.tables.triangle_facing[after.base as usize];
+    fn faces_as(&self, before: &Triangle<'_>, after: &Triangle<'_>) -> bool {
+        if self.places.is_height_field(after.base()) {
+            return true;
+        }
+        let facing = self.places.tables.triangle_facing[after.base() as usize];
         let new = after.normal();
         if new.dot(DVec3::from_array(facing.map(f64::from))) > 0.0 {
             return true;
@@ -169,4 +187,8 @@ impl Judge<'_> {
         let old = before.normal();
         new.dot(old) > LEAST_TURN * new.length() * old.length()
     }
+}
+
+fn triangles(of: &[Corner; 4], corners: [[usize; 3]; 2]) -> [Triangle<'_>; 2] {
+    corners.map(|corners| Triangle(corners.map(|k| &of[k])))
 }

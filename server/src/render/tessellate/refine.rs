@@ -3,7 +3,7 @@
 use displace_glsl::{
     layout::refine::RefinedTriangle,
     reference::{
-        bound::bound,
+        bound::bound_in_map,
         collapse::{Facet, Simplified},
         place::share_of,
         refine::{Refined, barycentrics, longest_side, marks},
@@ -88,8 +88,9 @@ impl Work<'_> {
     fn keeps(&self, refined: &Refined, grown: &Grown, triangle: &RefinedTriangle, share: f64) -> bool {
         let base = &self.places.base.triangles[triangle.base as usize];
         let corners = triangle.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], base)));
+        let in_map = corners.map(|corner| self.places.in_map(triangle.base, corner));
         let whole = self.tolerance(triangle.gv.map(|gv| grown.mesh.positions[gv as usize]));
-        let error = bound(self.places, self.asked, triangle.base, corners, whole, share);
+        let error = bound_in_map(self.places, self.asked, triangle.base, corners, in_map, whole, share);
         let longest = refined.edges[triangle.ge[longest_side(&refined.edges, triangle)] as usize].length_square;
         let is_speck = || f64::from(longest).sqrt() < JUMP * whole;
         error <= share || (error == f64::INFINITY && is_speck())

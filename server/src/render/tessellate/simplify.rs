@@ -70,6 +70,7 @@ impl Work<'_> {
             let mut turns: Vec<u64> = candidates.par_iter().enumerate().map(turn).collect();
             let mut open: Vec<u32> = (0..candidates.len() as u32).collect();
             let mut selected = Vec::new();
+            let mut seen = vec![false; candidates.len()];
             loop {
                 let first = |vertex: &u32| mesh.comes_first(stars, &turns, *vertex);
                 let first: Vec<u32> = open.into_par_iter().filter(first).collect();
@@ -84,7 +85,7 @@ impl Work<'_> {
                     turns[*vertex as usize] = mesh.turn(*vertex, &candidates[*vertex as usize], round);
                 }
                 // Others come no earlier than before: only these and those around may now come first.
-                open = mesh.around(stars, &unsure);
+                open = mesh.around(stars, &unsure, &mut seen);
             }
         })
     }
@@ -112,7 +113,7 @@ impl Work<'_> {
             touched.extend(turned.vertices);
             stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
         }
-        Ok(mesh.around(&stars, &touched))
+        Ok(mesh.around(&stars, &touched, &mut vec![false; mesh.vertices.len()]))
     }
 }
 

@@ -56,7 +56,7 @@ fn map(numbers: &mut Numbers) -> Tables {
     Tables { layers: vec![layer], texels, ..Tables::default() }
 }
 
-fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [Corner; 3] {
+fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [MapPlace; 3] {
     let size = [3.0, 30.0, 300.0][numbers.below(3) as usize];
     let middle = [0; 2].map(|_| 80.0 * (numbers.share() - 0.5));
     let place = |numbers: &mut Numbers| {
@@ -69,11 +69,11 @@ fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [Corner; 3] {
         2 => c = [0, 1].map(|k| a[k] + (b[k] - a[k]) * 0.4 + 1e-7 * numbers.share()),
         _ => {}
     }
-    [a, b, c].map(|[x, y]| Corner { x, y, value: lattice.cell(x.floor() as i64, y.floor() as i64)[0][0] })
+    [a, b, c].map(|[x, y]| MapPlace { x, y, value: lattice.cell(x.floor() as i64, y.floor() as i64)[0][0] })
 }
 
 /// Everywhere, without blocks.
-fn exhaustive(lattice: &Lattice<'_>, corners: &[Corner; 3], at_texels: bool) -> f64 {
+fn exhaustive(lattice: &Lattice<'_>, corners: &[MapPlace; 3], at_texels: bool) -> f64 {
     let window = Window::around(corners).clipped(&lattice.domain());
     directly(lattice, corners, &window, at_texels, f64::INFINITY).max(if at_texels {
         beyond(lattice, corners, 0.0, f64::INFINITY)
