@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use rayon::prelude::*;
 
-use super::{bound::MapPlace, keys, place::{Places, share_of}};
-use crate::layout::refine::{RefinedTriangle, RefinedVertex, UNIT, kind};
+use super::{bound::MapPlace, keys, place::Places};
+use crate::layout::refine::{RefinedTriangle, RefinedVertex};
 pub use judge::Judge;
 
 /// A refined mesh being simplified.
@@ -100,14 +100,6 @@ impl Stars {
     }
 }
 
-fn in_map(places: &Places<'_>, vertex: &RefinedVertex) -> MapPlace {
-    let [b, c] = vertex.param;
-    match vertex.kind {
-        kind::INTERIOR => places.in_map(vertex.owner, share_of([UNIT - b - c, b, c])),
-        _ => MapPlace::NONE,
-    }
-}
-
 /// The turn of a vertex that stays.
 pub const NEVER: u64 = u64::MAX;
 
@@ -124,7 +116,7 @@ impl Simplified {
     pub fn prepared(mut self, places: &Places<'_>) -> Self {
         nearby::sort(&mut self);
         let keys = self.vertices.par_iter().map(|vertex| keys::of(vertex, places.base)).collect();
-        let in_map = self.vertices.par_iter().map(|vertex| in_map(places, vertex)).collect();
+        let in_map = self.vertices.par_iter().map(|vertex| places.vertex_in_map(vertex)).collect();
         Self { keys, in_map, ..self }
     }
 

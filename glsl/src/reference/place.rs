@@ -112,6 +112,16 @@ impl<'t> Places<'t> {
         bound::in_map(self, t, b)
     }
 
+    /// As [`Self::in_map`]; known of vertices within base triangles.
+    #[must_use]
+    pub fn vertex_in_map(&self, vertex: &RefinedVertex) -> MapPlace {
+        let [b, c] = vertex.param;
+        match vertex.kind {
+            vertex_kind::INTERIOR => self.in_map(vertex.owner, share_of([UNIT - b - c, b, c])),
+            _ => MapPlace::NONE,
+        }
+    }
+
     /// Whether what lies over base triangle t never faces away from it: all of it is displaced straight up.
     #[must_use]
     pub fn is_height_field(&self, t: u32) -> bool {

@@ -49,6 +49,17 @@ impl<'t> Lattice<'t> {
         self.texel(wrapped(&self.across, x) as usize, wrapped(&self.down, y) as usize)
     }
 
+    /// Whether texels up to this one, from 0 on, are those of the map, without wrapping.
+    pub(super) fn is_direct(&self, x: i64, y: i64) -> bool {
+        let is_own = |axis: &MapAxis, at: i64| at <= i64::from(axis.top.min(axis.fold / 2));
+        is_own(&self.across, x) && is_own(&self.down, y)
+    }
+
+    /// A texel that is.
+    pub(super) fn direct(&self, x: i64, y: i64) -> f64 {
+        self.texel(x as usize, y as usize)
+    }
+
     fn texel(&self, x: usize, y: usize) -> f64 {
         f64::from(self.texels[self.channels * (y * self.row + x)])
     }

@@ -110,6 +110,14 @@ impl Level {
     }
 }
 
+fn least(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+fn greatest(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 fn merged(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
@@ -136,23 +144,30 @@ impl Block {
     fn over(lattice: &Lattice<'_>, cells: [i64; 2], x: [i64; 2], y: [i64; 2]) -> Self {
         let corners = y.map(|y| x.map(|x| lattice.at(x, y)));
         let mut block = Self::with_plane(corners, [(x[1] - x[0]) as f64, (y[1] - y[0]) as f64]);
-        let goes_on = lattice.axes().map(|axis| !is_clamped(axis));
-        let again = |at: i64, k: usize| {
-            let is_end = at == 0 || at == cells[k];
-            if goes_on[k] && is_end { [at, at + cells[k]] } else { [at; 2] }
+        let mut seen = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        let mut see = |x: i64, y: i64, value: f64| {
+            let rest = value - block.plane(x as f64, y as f64);
+            seen = [least(seen[0], rest), greatest(seen[1], rest), least(seen[2], value), greatest(seen[3], value)];
         };
-        for row in y[0]..=y[1] {
-            for column in x[0]..=x[1] {
-                let plane = block.plane((column - x[0]) as f64, (row - y[0]) as f64);
-                for v in again(row, 1) {
-                    for u in again(column, 0) {
-                        let value = lattice.at(u, v);
-                        block.widen(value - plane, value - plane);
-                        block.range = merged(block.range, [value as f32; 2]);
-                    }
-                }
+        let goes_on = lattice.axes().map(|axis| !is_clamped(axis));
+        let has_end = (0..2).any(|k| goes_on[k] && [x, y][k].iter().any(|at| *at == 0 || *at == cells[k]));
+        if !has_end && lattice.is_direct(x[1], y[1]) {
+            for row in y[0]..=y[1] {
+                (x[0]..=x[1]).for_each(|column| see(column - x[0], row - y[0], lattice.direct(column, row)));
+            }
+        } else {
+            let again = |at: i64, k: usize| {
+                let is_end = at == 0 || at == cells[k];
+                if goes_on[k] && is_end { [at, at + cells[k]] } else { [at; 2] }
+            };
+            for (row, column) in (y[0]..=y[1]).flat_map(|row| (x[0]..=x[1]).map(move |column| (row, column))) {
+                let all = again(row, 1).into_iter().flat_map(|v| again(column, 0).map(|u| lattice.at(u, v)));
+                all.for_each(|value| see(column - x[0], row - y[0], value));
             }
         }
+        let [low, high, least, greatest] = seen;
+        block.widen(low, high);
+        block.range = [least as f32, greatest as f32];
         block
     }
 

@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Over fewer texels and crossings a search takes longer than looking at them all.
-const FEW: f64 = 600.0;
+const FEW: f64 = 2500.0;
 /// A search ends so near the truth, as a share of the cap; what it finds is never below the truth.
 const RESOLUTION: f64 = 1.0 / 32.0;
 /// So many blocks a search begins with at most, where its triangle lies within one period.

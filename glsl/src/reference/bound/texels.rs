@@ -24,7 +24,7 @@ impl MapPlace {
     pub const NONE: Self = Self { x: f64::NAN, y: f64::NAN, value: f64::NAN };
 
     #[must_use]
-    pub(in crate::reference) fn is_known(&self) -> bool {
+    pub fn is_known(&self) -> bool {
         !self.x.is_nan()
     }
 

@@ -27,10 +27,10 @@ pub struct Judge<'j> {
     pub tolerance: &'j (dyn Fn([DVec3; 3]) -> f64 + Sync),
 }
 
-/// A vertex drawn into another.
+/// A vertex drawn into a neighbour, by its number in the star.
 #[derive(Clone, Copy)]
 struct Move {
-    to: u32,
+    to: usize,
     /// The error is no less.
     least: f64,
 }
@@ -42,7 +42,10 @@ impl Judge<'_> {
     /// What is quickly known: what is lost at the vertex itself.
     #[must_use]
     pub fn estimate(&self, vertex: u32) -> Candidate {
-        let Some(star) = self.star(vertex) else { return Candidate::None };
+        let mut star = Star::default();
+        if !self.gather(&mut star, vertex) {
+            return Candidate::None;
+        }
         let least = self.moves(&star, vertex).map(|planned| planned.least).min_by(f64::total_cmp);
         least.map_or(Candidate::None, |error| Candidate::AtLeast { error })
     }
@@ -50,12 +53,16 @@ impl Judge<'_> {
     /// The neighbour that costs least, of equal ones the one with the lowest key.
     #[must_use]
     pub fn candidate(&self, vertex: u32) -> Candidate {
-        let Some(star) = self.star(vertex) else { return Candidate::None };
-        let mut moves: SmallVec<[Move; 10]> = self.moves(&star, vertex).collect();
-        let order = |planned: &Move| (planned.least, self.mesh.keys[planned.to as usize], planned.to);
+        let mut star = Star::default();
+        if !self.gather(&mut star, vertex) {
+            return Candidate::None;
+        }
+        let mut moves: SmallVec<[Move; 12]> = self.moves(&star, vertex).collect();
+        let key = |to: u32| (self.mesh.keys[to as usize], to);
+        let order = |planned: &Move| (planned.least, key(star.neighbour(planned.to)));
         moves.sort_unstable_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
-        let star = star.in_map(self.places, self.mesh);
-        let mut best: Option<(u32, f64)> = None;
+        star.find_in_map(self.places, self.mesh);
+        let mut best: Option<(usize, f64)> = None;
         for planned in moves {
             let most = best.map_or(1.0, |(_, error)| error);
             if planned.least > most || best.is_some() && planned.least == most {
@@ -64,47 +71,52 @@ impl Judge<'_> {
             let found = self.error(&star, planned.to, most).filter(|error| best.is_none() || *error < most);
             best = found.map(|error| (planned.to, error)).or(best);
         }
-        best.map_or(Candidate::None, |(vertex, error)| Candidate::To { vertex, error })
+        best.map_or(Candidate::None, |(to, error)| Candidate::To { vertex: star.neighbour(to), error })
     }
 
-    /// None around a vertex that stays in any case.
-    fn star(&self, vertex: u32) -> Option<Star> {
+    /// Whether the vertex may go at all; into a star that is empty.
+    fn gather(&self, star: &mut Star, vertex: u32) -> bool {
         let triangles = self.stars.of(vertex);
         let stays = self.mesh.vertices[vertex as usize].kind == kind::CORNER;
-        (!stays && !triangles.is_empty() && triangles.len() <= MOST_AROUND)
-            .then(|| Star::new(self.places, self.mesh, triangles, vertex))
+        if stays || triangles.is_empty() || triangles.len() > MOST_AROUND {
+            return false;
+        }
+        star.gather(self.places, self.mesh, triangles, vertex);
+        true
     }
 
     /// The ways it may go.
     fn moves<'s>(&'s self, star: &'s Star, vertex: u32) -> impl Iterator<Item = Move> + 's {
         let moving = self.mesh.vertices[vertex as usize];
         let sheets = if moving.kind == kind::EDGE { star.sheets() } else { 2 };
-        let open = move |to: &u32| self.is_open(star, &moving, *to, sheets);
+        let open = move |to: &usize| star.shared_with(*to) == sheets && self.is_along(&moving, star.neighbour(*to));
         star.neighbours().filter(open).filter_map(|to| self.planned(star, to))
     }
 
-    /// Whether the vertex may go there at all: along its base edge, and with as many triangles vanishing as there are
-    /// sheets around.
-    fn is_open(&self, star: &Star, moving: &RefinedVertex, to: u32, sheets: usize) -> bool {
+    /// Whether the vertex may go there: along its base edge, if it is on one. (And with as many triangles vanishing as
+    /// there are sheets around.)
+    fn is_along(&self, moving: &RefinedVertex, to: u32) -> bool {
+        if moving.kind == kind::INTERIOR {
+            return true;
+        }
         let target = &self.mesh.vertices[to as usize];
-        let along = match (moving.kind, target.kind) {
-            (kind::INTERIOR, _) => true,
-            (_, kind::CORNER) => self.places.base.edges[moving.owner as usize].contains(&target.owner),
-            (_, kind::EDGE) => target.owner == moving.owner,
+        match target.kind {
+            kind::CORNER => self.places.base.edges[moving.owner as usize].contains(&target.owner),
+            kind::EDGE => target.owner == moving.owner,
             _ => false,
-        };
-        along && star.shared_with(to) == sheets
+        }
     }
 
     /// None where a triangle would turn over, or where the place that the vertex leaves would be too far off.
-    fn planned(&self, star: &Star, to: u32) -> Option<Move> {
+    fn planned(&self, star: &Star, to: usize) -> Option<Move> {
+        // The cheapest question first: it settles most.
+        if star.after(to).any(|(_, after)| after.twice_area() <= 0) {
+            return None;
+        }
         let mut least: f64 = 0.0;
         for (before, after) in star.after(to) {
-            if after.twice_area() <= 0 || !self.faces_as(&before, &after) {
-                return None;
-            }
             least = least.max(self.lost(&before, &after));
-            if least > 1.0 {
+            if least > 1.0 || !self.faces_as(&before, &after) {
                 return None;
             }
         }
@@ -112,6 +124,7 @@ impl Judge<'_> {
     }
 
     /// How far the place of the vertex is from a triangle that now lies over it, as a share of the tolerance.
+    #[inline]
     fn lost(&self, before: &Triangle<'_>, after: &Triangle<'_>) -> f64 {
         let [a, b, c] = after.0.map(|corner| corner.units);
         let left = before.0[0].units;
@@ -119,16 +132,15 @@ impl Judge<'_> {
         if beyond_b < 0 || beyond_c < 0 {
             return 0.0;
         }
-        let at_a = twice_area([left, b, c]);
-        let whole = (at_a + beyond_b + beyond_c) as f64;
-        let shares = [at_a, beyond_b, beyond_c].map(|share| share as f64 / whole);
+        let whole = after.twice_area();
+        let shares = [whole - beyond_b - beyond_c, beyond_b, beyond_c].map(|share| share as f64 / whole as f64);
         let positions = after.positions();
         let flat = positions[0] * shares[0] + positions[1] * shares[1] + positions[2] * shares[2];
         flat.distance(before.0[0].position) / (self.tolerance)(positions)
     }
 
     /// The largest error of the triangles that come of it; none above `most`.
-    fn error(&self, star: &Star, to: u32, most: f64) -> Option<f64> {
+    fn error(&self, star: &Star, to: usize, most: f64) -> Option<f64> {
         let mut worst = 0.0;
         for (_, after) in star.after(to) {
             let error = self.error_at(&after, most);
@@ -175,6 +187,7 @@ impl Judge<'_> {
         Some(worst)
     }
 
+    #[inline]
     fn faces_as(&self, before: &Triangle<'_>, after: &Triangle<'_>) -> bool {
         if self.places.is_height_field(after.base()) {
             return true;

@@ -91,22 +91,21 @@ pub(super) fn twice_area(units: [Units; 3]) -> i64 {
 }
 
 /// All triangles around a vertex.
+#[derive(Default)]
 pub(super) struct Star {
     /// The vertex in the middle, in each base triangle around.
     middles: SmallVec<[Corner; 2]>,
     /// The other vertices, each in every base triangle that has a triangle with it here.
-    rim: SmallVec<[Corner; 10]>,
-    /// Of each corner on the rim, the triangles that have it: bit k is triangle k.
-    shared: SmallVec<[u64; 10]>,
+    rim: SmallVec<[Corner; 12]>,
+    /// Of each corner on the rim, the triangles that have its vertex: bit k is triangle k.
+    shared: SmallVec<[u64; 12]>,
     /// Numbers of a middle and of the two corners on the rim that follow it.
-    triangles: SmallVec<[[u8; 3]; 10]>,
+    triangles: SmallVec<[[u8; 3]; 12]>,
 }
 
 impl Star {
-    /// Of at most [`super::MOST_AROUND`] triangles.
-    pub(super) fn new(places: &Places<'_>, mesh: &Simplified, triangles: &[u32], vertex: u32) -> Self {
-        let (middles, rim, shared) = (SmallVec::new(), SmallVec::new(), SmallVec::new());
-        let mut star = Self { middles, rim, shared, triangles: SmallVec::new() };
+    /// At most [`super::MOST_AROUND`] triangles, into a star that is empty.
+    pub(super) fn gather(&mut self, places: &Places<'_>, mesh: &Simplified, triangles: &[u32], vertex: u32) {
         for (t, bit) in triangles.iter().zip(0..) {
             let Facet { gv: [a, b, c], base } = mesh.triangles[*t as usize];
             let rim = match vertex {
@@ -114,29 +113,43 @@ impl Star {
                 _ if vertex == b => [c, a],
                 _ => [a, b],
             };
-            let middle = number_of(&mut star.middles, vertex, base, places, mesh);
+            let corner = |gv| Corner::new(places, mesh, gv, base);
+            let middle = number_of(&mut self.middles, vertex, base, || corner(vertex));
             let rim = rim.map(|gv| {
-                let number = number_of(&mut star.rim, gv, base, places, mesh);
-                star.shared.resize(star.rim.len(), 0);
-                star.shared[number] |= 1 << bit;
+                let number = number_of(&mut self.rim, gv, base, || corner(gv));
+                if number == self.shared.len() {
+                    self.shared.push(0);
+                }
+                self.shared[number] |= 1 << bit;
                 number as u8
             });
-            star.triangles.push([middle as u8, rim[0], rim[1]]);
+            self.triangles.push([middle as u8, rim[0], rim[1]]);
         }
-        star
+        if self.sheets() > 1 {
+            self.share_between_sheets();
+        }
     }
 
-    /// With the places of all corners in the map.
-    pub(super) fn in_map(mut self, places: &Places<'_>, mesh: &Simplified) -> Self {
+    fn share_between_sheets(&mut self) {
+        let of = |gv: u32, (corner, shared): (&Corner, &u64)| if corner.gv == gv { *shared } else { 0 };
+        let all = |gv: u32| self.rim.iter().zip(&self.shared).fold(0, |all, one| all | of(gv, one));
+        self.shared = self.rim.iter().map(|corner| all(corner.gv)).collect();
+    }
+
+    /// Finds the places of all corners in the map.
+    pub(super) fn find_in_map(&mut self, places: &Places<'_>, mesh: &Simplified) {
         self.rim.iter_mut().for_each(|corner| *corner = corner.in_map(places, mesh));
-        self
     }
 
-    /// The other vertices, each once.
-    pub(super) fn neighbours(&self) -> impl Iterator<Item = u32> + '_ {
-        let several = self.middles.len() > 1;
+    /// A corner of each of the other vertices, by number.
+    pub(super) fn neighbours(&self) -> impl Iterator<Item = usize> + '_ {
+        let several = self.sheets() > 1;
         let is_first = move |k: usize| !several || !self.rim[..k].iter().any(|other| other.gv == self.rim[k].gv);
-        (0..self.rim.len()).filter(move |k| is_first(*k)).map(|k| self.rim[k].gv)
+        (0..self.rim.len()).filter(move |k| is_first(*k))
+    }
+
+    pub(super) fn neighbour(&self, number: usize) -> u32 {
+        self.rim[number].gv
     }
 
     /// Base triangles around: as many as have a triangle in the star.
@@ -144,48 +157,41 @@ impl Star {
         self.middles.len()
     }
 
-    pub(super) fn shared_with(&self, gv: u32) -> usize {
-        self.triangles_with(gv).count_ones() as usize
+    /// How many triangles have a neighbour.
+    pub(super) fn shared_with(&self, number: usize) -> usize {
+        self.shared[number].count_ones() as usize
     }
 
-    /// Bit k is triangle k.
-    fn triangles_with(&self, gv: u32) -> u64 {
-        let of = |(corner, shared): (&Corner, &u64)| if corner.gv == gv { *shared } else { 0 };
-        self.rim.iter().zip(&self.shared).fold(0, |all, one| all | of(one))
-    }
-
-    /// A neighbour as a corner in a base triangle; none where none of its triangles lies there.
-    fn corner_in(&self, base: u32, gv: u32) -> Option<&Corner> {
-        self.rim.iter().find(|corner| corner.gv == gv && corner.base == base)
-    }
-
-    /// The triangles that stay when the vertex is drawn into `to`, each before and after.
-    pub(super) fn after(&self, to: u32) -> impl Iterator<Item = (Triangle<'_>, Triangle<'_>)> {
-        let mut known: Option<&Corner> = None;
-        let gone = self.triangles_with(to);
+    /// The triangles that stay when the vertex is drawn into a neighbour, each before and after.
+    #[inline]
+    pub(super) fn after(&self, number: usize) -> impl Iterator<Item = (Triangle<'_>, Triangle<'_>)> {
+        let (middles, rim, gone) = (&self.middles[..], &self.rim[..], self.shared[number]);
+        let to = &rim[number];
+        // None where none of the neighbour's triangles lies in this base triangle.
+        let in_base = move |base: u32| {
+            let is_there = |corner: &&Corner| corner.gv == to.gv && corner.base == base;
+            if to.base == base { Some(to) } else { rim.iter().find(is_there) }
+        };
         let stay = self.triangles.iter().zip(0..).filter(move |(_, bit)| gone >> bit & 1 == 0);
         stay.filter_map(move |([middle, b, c], _)| {
-            let middle = &self.middles[usize::from(*middle)];
-            if known.is_none_or(|corner| corner.base != middle.base) {
-                known = self.corner_in(middle.base, to);
-            }
-            let [b, c] = [b, c].map(|k| &self.rim[usize::from(*k)]);
-            known.map(|corner| (Triangle([middle, b, c]), Triangle([corner, b, c])))
+            let middle = &middles[usize::from(*middle)];
+            let [b, c] = [b, c].map(|k| &rim[usize::from(*k)]);
+            in_base(middle.base).map(|corner| (Triangle([middle, b, c]), Triangle([corner, b, c])))
         })
     }
 }
 
 /// Among corners that are known; one that is not becomes the last.
+#[inline]
 fn number_of<A: smallvec::Array<Item = Corner>>(
     known: &mut SmallVec<A>,
     gv: u32,
     base: u32,
-    places: &Places<'_>,
-    mesh: &Simplified,
+    corner: impl FnOnce() -> Corner,
 ) -> usize {
     let found = known.iter().position(|corner| corner.gv == gv && corner.base == base);
     found.unwrap_or_else(|| {
-        known.push(Corner::new(places, mesh, gv, base));
+        known.push(corner());
         known.len() - 1
     })
 }

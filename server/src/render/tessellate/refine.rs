@@ -3,7 +3,7 @@
 use displace_glsl::{
     layout::refine::RefinedTriangle,
     reference::{
-        bound::bound_in_map,
+        bound::{MapPlace, bound_in_map},
         collapse::{Facet, Simplified},
         place::share_of,
         refine::{Refined, barycentrics, longest_side, marks},
@@ -19,6 +19,8 @@ pub(super) struct Grown {
     pub(super) mesh: Simplified,
     pub(super) rounds: u32,
     pub(super) mismatch: f64,
+    /// Of vertices, where refinement needs it; see `Places::vertex_in_map`.
+    pub(super) in_map: Vec<MapPlace>,
 }
 
 /// States of triangles.
@@ -58,7 +60,7 @@ impl Work<'_> {
         let refined = Refined::of(self.places.base);
         let triangles = refined.triangles.iter().map(Facet::from).collect();
         let mesh = Simplified { vertices: refined.vertices.clone(), triangles, ..Simplified::default() };
-        let mut grown = Grown { mesh, rounds: 0, mismatch: self.places.mismatch };
+        let mut grown = Grown { mesh, rounds: 0, mismatch: self.places.mismatch, in_map: Vec::new() };
         self.place(&refined, &mut grown)?;
         Ok(grown)
     }
@@ -70,6 +72,7 @@ impl Work<'_> {
         grown.mismatch = placed.iter().fold(grown.mismatch, |most, (_, mismatch)| most.max(*mismatch));
         let broken = placed.iter().filter(|(position, _)| !position.as_vec3().is_finite()).count();
         grown.mesh.positions.extend(placed.into_iter().map(|(position, _)| position));
+        grown.in_map.par_extend(new.par_iter().map(|vertex| self.places.vertex_in_map(vertex)));
         passes::check_finite(self.mesh, broken as u64)
     }
 
@@ -88,7 +91,10 @@ impl Work<'_> {
     fn keeps(&self, refined: &Refined, grown: &Grown, triangle: &RefinedTriangle, share: f64) -> bool {
         let base = &self.places.base.triangles[triangle.base as usize];
         let corners = triangle.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], base)));
-        let in_map = corners.map(|corner| self.places.in_map(triangle.base, corner));
+        let in_map = std::array::from_fn(|k| {
+            let known = grown.in_map[triangle.gv[k] as usize];
+            if known.is_known() { known } else { self.places.in_map(triangle.base, corners[k]) }
+        });
         let whole = self.tolerance(triangle.gv.map(|gv| grown.mesh.positions[gv as usize]));
         let error = bound_in_map(self.places, self.asked, triangle.base, corners, in_map, whole, share);
         let longest = refined.edges[triangle.ge[longest_side(&refined.edges, triangle)] as usize].length_square;
