@@ -68,6 +68,8 @@ impl Tessellated {
 
 /// How much finer than the tolerance refinement goes: collapses make more of vertices to choose from, and each costs time.
 const START: [f64; 2] = [0.85, 0.5];
+/// Meshes that keep the tolerance with more triangles than this go no finer: they have vertices to choose from.
+const MOST_FINER: [usize; 2] = [1 << 14, usize::MAX];
 /// Flips and collapses by turns, so often.
 const SWEEPS: [u32; 2] = [1, 4];
 /// A refined mesh with more triangles for each that is allowed seldom collapses into the budget: the tolerance is loosened
@@ -198,7 +200,7 @@ impl<'w> Work<'w> {
     fn grow(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
         match self.on {
             Some(on) => self.refine_on(on, share, limit),
-            None => self.refine(share, limit),
+            None => self.refine(share, MOST_FINER[self.quality()], limit),
         }
     }
 

@@ -27,24 +27,33 @@ pub(super) struct Grown {
 const NEW: u32 = 0;
 const GOOD: u32 = 1;
 const BAD: u32 = 2;
+/// Within the tolerance, and not within the share of it that is asked for.
+const FAIR: u32 = 3;
 /// Where a surface jumps no triangle is near it all over. One that is as small as this share of the tolerance is let be.
 const JUMP: f64 = 0.25;
 
 impl Work<'_> {
-    /// Every triangle within `share` of the tolerance; none where that takes more than `limit` triangles.
-    pub(super) fn refine(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
+    /// Every triangle within the tolerance, and, if no more than `most_finer` are, within `share` of it; none where that
+    /// takes more than `limit` triangles.
+    pub(super) fn refine(&self, share: f64, most_finer: usize, limit: u64) -> Result<Option<Grown>> {
         let mut refined = Refined::of(self.places.base);
         let mut grown = self.start()?;
+        let mut finer = false;
         loop {
             self.job.cancel.check()?;
             self.job.progress.pass("refine", u64::from(grown.rounds), u64::from(grown.rounds) + 1);
-            let wanted = self.wanted(&mut refined, &grown, share);
+            let wanted = self.wanted(&mut refined, &grown, share, finer);
             let marks = marks(&refined, &wanted);
             let added: u64 = refined.triangles.iter().flat_map(|t| t.ge).map(|ge| u64::from(marks[ge as usize])).sum();
-            if refined.triangles.len() as u64 + added > limit {
+            let fits = refined.triangles.len() as u64 + added <= limit;
+            if !fits && !finer {
                 return Ok(None);
             }
-            if added == 0 || !refined.halves_exactly(self.places.base, &marks) {
+            if added == 0 && !finer && refined.triangles.len() <= most_finer {
+                finer = true;
+                continue;
+            }
+            if !fits || added == 0 || !refined.halves_exactly(self.places.base, &marks) {
                 grown.mesh.triangles = refined.triangles.iter().map(Facet::from).collect();
                 grown.mesh.vertices = refined.vertices;
                 return Ok(Some(grown));
@@ -76,19 +85,17 @@ impl Work<'_> {
         passes::check_finite(self.mesh, broken as u64)
     }
 
-    /// 1 for each triangle that is to be split; states of new ones are found out.
-    fn wanted(&self, refined: &mut Refined, grown: &Grown, share: f64) -> Vec<u32> {
+    /// 1 for each triangle that is to be split, fair ones where it is to be `finer`; states of new ones are found out.
+    fn wanted(&self, refined: &mut Refined, grown: &Grown, share: f64, finer: bool) -> Vec<u32> {
         let mut states = std::mem::take(&mut refined.states);
-        states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW).for_each(
-            |(state, triangle)| {
-                *state = if self.keeps(refined, grown, triangle, share) { GOOD } else { BAD };
-            },
-        );
+        let new = states.par_iter_mut().zip(&refined.triangles).filter(|(state, _)| **state == NEW);
+        new.for_each(|(state, triangle)| *state = self.state(refined, grown, triangle, share));
         refined.states = states;
-        refined.states.iter().map(|state| u32::from(*state == BAD)).collect()
+        let is_wanted = |state: u32| state == BAD || finer && state == FAIR;
+        refined.states.iter().map(|state| u32::from(is_wanted(*state))).collect()
     }
 
-    fn keeps(&self, refined: &Refined, grown: &Grown, triangle: &RefinedTriangle, share: f64) -> bool {
+    fn state(&self, refined: &Refined, grown: &Grown, triangle: &RefinedTriangle, share: f64) -> u32 {
         let base = &self.places.base.triangles[triangle.base as usize];
         let corners = triangle.gv.map(|gv| share_of(barycentrics(&refined.vertices[gv as usize], base)));
         let in_map = std::array::from_fn(|k| {
@@ -96,9 +103,14 @@ impl Work<'_> {
             if known.is_known() { known } else { self.places.in_map(triangle.base, corners[k]) }
         });
         let whole = self.tolerance(triangle.gv.map(|gv| grown.mesh.positions[gv as usize]));
-        let error = bound_in_map(self.places, self.asked, triangle.base, corners, in_map, whole, share);
+        let error = bound_in_map(self.places, self.asked, triangle.base, corners, in_map, whole, 1.0);
         let longest = refined.edges[triangle.ge[longest_side(&refined.edges, triangle)] as usize].length_square;
         let is_speck = || f64::from(longest).sqrt() < JUMP * whole;
-        error <= share || (error == f64::INFINITY && is_speck())
+        match error {
+            _ if error <= share => GOOD,
+            _ if error <= 1.0 => FAIR,
+            _ if error == f64::INFINITY && is_speck() => GOOD,
+            _ => BAD,
+        }
     }
 }
