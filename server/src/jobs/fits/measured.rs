@@ -13,15 +13,16 @@ use crate::{
     },
 };
 
-/// Triangles that are looked at, spread evenly where a mesh has more: a place takes the oracle microseconds.
-const MOST: usize = 1 << 20;
-/// Those that were found farthest off are looked at closely.
-const FARTHEST: usize = 16;
-/// At the points of a lattice with so many segments along a side.
+/// A place of every triangle is looked at: it takes the oracle microseconds, and tessellating some hundred.
+const MIDDLE: [DVec3; 1] = [DVec3::splat(1.0 / 3.0)];
+/// Of the triangles found farthest off there, one in so many is looked at on its sides as well, but not fewer than
+/// `LEAST_ON_SIDES`.
+const ON_SIDES: usize = 16;
+const LEAST_ON_SIDES: usize = 64;
+const SIDES: [DVec3; 3] = [DVec3::new(0.5, 0.5, 0.0), DVec3::new(0.0, 0.5, 0.5), DVec3::new(0.5, 0.0, 0.5)];
+/// And so many of these at the points of a lattice with `ALONG_SIDE` segments along a side.
+const CLOSELY: usize = 16;
 const ALONG_SIDE: u32 = 8;
-/// Where triangles that stand for a surface are farthest from it: their middles, and those of their sides.
-const MIDDLES: [DVec3; 4] =
-    [DVec3::splat(1.0 / 3.0), DVec3::new(0.5, 0.5, 0.0), DVec3::new(0.0, 0.5, 0.5), DVec3::new(0.5, 0.0, 0.5)];
 
 impl Made<'_> {
     /// Of mesh number `index`: `tolerance_local` of its plan times the largest share of what is allowed to a triangle.
@@ -45,17 +46,23 @@ impl Made<'_> {
 }
 
 fn largest_share(sampled: &Sampled<'_>, cancel: &Cancel) -> Result<f64> {
-    let triangles = sampled.surface.triangles.len();
-    let looked_at: Vec<usize> = (0..triangles).step_by(triangles.div_ceil(MOST).max(1)).collect();
-    let shares = sampled.shares(&looked_at, |_| MIDDLES, cancel)?;
-    let mut order: Vec<usize> = (0..shares.len()).collect();
-    if order.len() > FARTHEST {
-        order.select_nth_unstable_by(FARTHEST, |a, b| shares[*b].total_cmp(&shares[*a]));
-        order.truncate(FARTHEST);
+    let all: Vec<usize> = (0..sampled.surface.triangles.len()).collect();
+    let middles = sampled.shares(&all, |_| MIDDLE, cancel)?;
+    let some = farthest(&all, &middles, LEAST_ON_SIDES.max(all.len() / ON_SIDES));
+    let sides = sampled.shares(&some, |_| SIDES, cancel)?;
+    let few = farthest(&some, &sides, CLOSELY);
+    let closely = sampled.shares(&few, |_| lattice(ALONG_SIDE), cancel)?;
+    Ok(middles.into_iter().chain(sides).chain(closely).fold(0.0, f64::max))
+}
+
+/// The triangles with the largest shares, `count` of them where there are so many.
+fn farthest(triangles: &[usize], shares: &[f64], count: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    if count < order.len() {
+        order.select_nth_unstable_by(count, |a, b| shares[*b].total_cmp(&shares[*a]).then(a.cmp(b)));
+        order.truncate(count);
     }
-    let farthest: Vec<usize> = order.into_iter().map(|k| looked_at[k]).collect();
-    let closely = sampled.shares(&farthest, |_| lattice(ALONG_SIDE), cancel)?;
-    Ok(shares.into_iter().chain(closely).fold(0.0, f64::max))
+    order.into_iter().map(|k| triangles[k]).collect()
 }
 
 /// As readers of the result have it, mesh-local units.
@@ -63,4 +70,17 @@ fn written(surface: &Surface, grid: Option<Grid>, vertex: u32) -> DVec3 {
     let position = surface.positions[vertex as usize];
     let placed = grid.map(|grid| grid.position(grid.place(position)));
     DVec3::from_array(placed.unwrap_or(position.map(f64::from)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_farthest_are_those_with_the_largest_shares() {
+        let mut found = farthest(&[10, 11, 12, 13], &[0.2, 0.9, 0.1, 0.5], 2);
+        found.sort_unstable();
+        assert_eq!(found, [11, 13]);
+        assert_eq!(farthest(&[10, 11], &[0.2, 0.9], 5), [10, 11]);
+    }
 }
