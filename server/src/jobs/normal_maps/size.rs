@@ -116,7 +116,7 @@ mod tests {
         let mut needed = Needed { lods: 2, ..Needed::default() };
         needed.add(&mesh, &[detail.clone(), detail.clone(), detail.clone(), None], Some(512));
         needed.add(&mesh, &[detail, None, None, None], Some(512));
-        let expected = Needed { maps: 6, texels: 3 * 5 << 16, texels_at_once: 2 << 18, ..needed };
+        let expected = Needed { maps: 6, texels: 15 << 16, texels_at_once: 2 << 18, ..needed };
         assert_eq!(needed, expected);
     }
 
