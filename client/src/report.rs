@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use displace_proto::v1::{EstimateResponse, Fit, Lod, NormalMap, Report, ToleranceUnit, Warning};
+use displace_proto::v1::{Accuracy, EstimateResponse, Fit, Lod, NormalMap, Report, ToleranceUnit, Warning};
 use serde_json::{Value, json};
 
 use crate::output::{bytes, count, duration_ms};
@@ -33,7 +33,7 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
         put(&mut value, "tolerance", Some(fit.tolerance));
         put(&mut value, "achieved_tolerance", Some(fit.achieved_tolerance));
         let accuracy = fit.accuracy.as_ref();
-        put(&mut value, "accuracy", accuracy.map(|a| json!({ "bound": a.bound, "unit": unit(a.unit()).0 })));
+        put(&mut value, "accuracy", accuracy.map(accuracy_json));
         put(&mut value, "rounds", Some(fit.rounds));
     }
     if let Some(seams) = &report.seams {
@@ -60,6 +60,10 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     value["device"] = report.device.as_str().into();
     value["cached"] = report.cached.into();
     value
+}
+
+fn accuracy_json(accuracy: &Accuracy) -> Value {
+    json!({ "bound": accuracy.bound, "measured": accuracy.measured, "unit": unit(accuracy.unit()).0 })
 }
 
 fn lod_json(lod: &Lod) -> Value {
@@ -160,7 +164,10 @@ fn fit_words(fit: &Fit) -> String {
     let (_, unit) = unit(accuracy.unit());
     let kept = if kept > asked { format!("not kept, but {kept:.3e}") } else { "kept".to_owned() };
     let rounds = count(fit.rounds.into());
-    format!("tolerance {asked:.3e} {kept}: nothing farther than {:.3e} {unit}, after {rounds} rounds\n", accuracy.bound)
+    let Accuracy { bound, measured, .. } = accuracy;
+    format!(
+        "tolerance {asked:.3e} {kept}: nothing farther than {bound:.3e} {unit}, {measured:.3e} found, after {rounds} rounds\n"
+    )
 }
 
 pub(crate) fn warnings_words(warnings: &[Warning]) -> String {
@@ -233,7 +240,7 @@ mod tests {
     }
 
     fn kept(tolerance: f64, achieved_tolerance: f64, unit: ToleranceUnit) -> Report {
-        let accuracy = Some(displace_proto::v1::Accuracy { bound: 0.25, unit: unit.into() });
+        let accuracy = Some(Accuracy { bound: 0.25, measured: 0.125, unit: unit.into() });
         Report { fit: Some(Fit { tolerance, achieved_tolerance, accuracy, rounds: 17 }), ..Report::default() }
     }
 
@@ -241,14 +248,16 @@ mod tests {
     fn a_tolerance_is_told_in_its_unit() {
         let report = kept(0.5, 0.5, ToleranceUnit::Pixels);
         let value = json(&report, &[]);
-        assert_eq!(value["accuracy"], json!({ "bound": 0.25, "unit": "px" }));
+        assert_eq!(value["accuracy"], json!({ "bound": 0.25, "measured": 0.125, "unit": "px" }));
         assert_eq!(
             (&value["tolerance"], &value["achieved_tolerance"], &value["rounds"]),
             (&json!(0.5), &json!(0.5), &json!(17))
         );
         let text = words(&report, &[]);
         assert!(
-            text.contains("tolerance 5.000e-1 kept: nothing farther than 2.500e-1 pixels, after 17 rounds"),
+            text.contains(
+                "tolerance 5.000e-1 kept: nothing farther than 2.500e-1 pixels, 1.250e-1 found, after 17 rounds"
+            ),
             "{text}"
         );
         let text = words(&kept(0.125, 0.25, ToleranceUnit::World), &[]);

@@ -11,6 +11,7 @@
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
 //! | `samples.rs` | the same at places spread evenly, with normals |
+//! | `sampled_error.rs` | how far a result is found to be from its surface |
 //! | `measure.rs`, `cracks.rs` | everything that is told of two of them |
 //! | `bvh.rs` | which boxes are near a point, on a ray, or touched by a box |
 //! | `metrics.rs` | how far two images are apart |
@@ -38,6 +39,7 @@ pub mod metrics;
 pub mod parameter;
 pub mod predicates;
 pub mod ray;
+pub mod sampled_error;
 pub mod samples;
 pub mod sheet;
 pub mod smooth;

@@ -6,6 +6,7 @@ mod whole;
 
 use displace_server::domain::{
     base::bend,
+    cancel::Cancel,
     mesh::Mesh,
     request::{Base, Geometry},
 };
@@ -16,7 +17,7 @@ const SMOOTH: [Base; 3] = [Base::Pn, Base::Phong, Base::Loop];
 /// The mesh with its base, and tangents for details that read them.
 fn bent(mesh: &TestMesh, base: Base) -> Mesh {
     let mut mesh = mesh.to_mesh();
-    bend(&mut mesh, base).expect("a test mesh is small");
+    bend(&mut mesh, base, &Cancel::default()).expect("a test mesh is small");
     mesh
 }
 

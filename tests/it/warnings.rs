@@ -72,6 +72,22 @@ fn stretch_is_one_on_what_is_only_moved_and_told_where_it_is_long() {
     assert!(message.contains("10.0 times on base triangle") && message.contains("lower the scale"), "{message}");
 }
 
+#[test]
+fn what_a_view_sees_too_near_to_keep_its_pixels_there_is_told() {
+    let plane = meshes::plane(4);
+    let told = |eye: &str| {
+        let view = format!("{eye};0,0,0;60;64x64");
+        let args = ["--expr", "0.02", "--tolerance-px", "2", "--view", &view];
+        warning(&applied(&plane, None, &args), "view_too_near").map(ToOwned::to_owned)
+    };
+    // The plane becomes y = 0.02; its diagonal is the root of 2.
+    let message = told("0.3,0.0205,0.3").expect("half a thousandth above it");
+    for part in ["nearer to a view than 1.414e-3", "2 pixels", "move the view away"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert_eq!(told("0.3,1.5,0.3"), None);
+}
+
 fn png(image: &image::DynamicImage) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     image.write_to(&mut bytes, ImageFormat::Png).expect("a PNG can be written to memory");

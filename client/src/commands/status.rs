@@ -53,6 +53,7 @@ fn as_json(server: &GetCapabilitiesResponse, now: &GetStatisticsResponse) -> Val
         "mesh_formats": server.mesh_formats,
         "map_formats": server.map_formats,
         "output_formats": server.output_formats,
+        "bases": server.bases,
         "uptime_secs": now.uptime_secs,
         "running_jobs": now.running_jobs,
         "queued_jobs": now.queued_jobs,

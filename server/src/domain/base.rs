@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `pn.rs` | a cubic, normal to the corners' normals (Vlachos et al. 2001) | quadratic, as the normals |
 //! | `phong.rs` | a quadratic (Boubekeur and Alexa 2008) | blended, as on the flat base |
-//! | `loop_limit.rs`, `fan.rs`, `ring.rs` | the limit of Loop's subdivision (Loop 1987, Stam 1998) | normals of the limit |
+//! | `loop_limit.rs`, `fan.rs`, `ring.rs`, `table.rs` | the limit of Loop's subdivision (Loop 1987, Stam 1998) | normals of the limit |
 //!
 //! No crack can open: the control points along an edge belong to the geometric edge. Where its sides have normals of
 //! their own, at hard edges and seams, they are the mean of what the sides ask for.
@@ -14,6 +14,7 @@ mod loop_limit;
 mod phong;
 mod pn;
 mod ring;
+mod table;
 
 use std::sync::Arc;
 
@@ -24,14 +25,14 @@ use displace_glsl::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Error, Result, mesh::Mesh, request::Base};
+use super::{Error, Result, cancel::Cancel, mesh::Mesh, request::Base};
 
 /// Triangles whose places fit the tables.
 const MOST_TRIANGLES: usize = 1 << 28;
 
 /// Gives the mesh its base. Under [`Base::Loop`] its vertices move to the limit surface, and normals become that
-/// surface's.
-pub fn bend(mesh: &mut Mesh, base: Base) -> Result<()> {
+/// surface's. Fails where that takes too much, or the job is cancelled.
+pub fn bend(mesh: &mut Mesh, base: Base, cancel: &Cancel) -> Result<()> {
     if base == Base::Flat || mesh.triangles.is_empty() {
         return Ok(());
     }
@@ -47,7 +48,7 @@ pub fn bend(mesh: &mut Mesh, base: Base) -> Result<()> {
         Base::Flat => return Ok(()),
         Base::Pn => pn::patches(mesh),
         Base::Phong => phong::patches(mesh),
-        Base::Loop => loop_limit::bend(mesh)?,
+        Base::Loop => loop_limit::bend(mesh, cancel)?,
     };
     mesh.patches = Some(Arc::new(patches));
     Ok(())

@@ -55,6 +55,8 @@ pub struct Fitted {
 pub struct Accuracy {
     /// No place is farther from the surface.
     pub bound: f64,
+    /// The largest distance found, by looking at places of triangles; see the API.
+    pub measured: f64,
     pub unit: ToleranceUnit,
 }
 

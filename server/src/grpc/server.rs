@@ -6,7 +6,7 @@ use tonic::{Request, Response, Status};
 
 use super::Services;
 use crate::{
-    domain::plan::MAX_LEVEL,
+    domain::{plan::MAX_LEVEL, request::Base},
     jobs::{BUILD_ID, KindTotals},
 };
 
@@ -26,6 +26,7 @@ impl Server for ServerService {
             map_formats: words(&["image/png", "image/jpeg", "image/tiff", "image/x-exr", "image/vnd.radiance"]),
             output_formats: words(&["model/gltf-binary", "image/png", "image/x-exr"]),
             methods: METHODS.iter().map(to_method).collect(),
+            bases: words(&Base::ALL.map(Base::name)),
             devices: vec![v1::DeviceInfo {
                 name: self.0.jobs.device_name().into(),
                 device_class: self.0.jobs.device_class().into(),

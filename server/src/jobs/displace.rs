@@ -43,9 +43,10 @@ impl Work for DisplaceWork {
         let (mut surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
         let packing = inputs::timed(context.progress, "check_surface", &mut passes, || {
-            let Inputs { scene, plans, .. } = &mut inputs;
+            let Inputs { scene, plans, details, .. } = &mut inputs;
             let packing = packing::choose(scene, plans.each(), &mut surfaces, self.request.compression);
-            fits::describe(&mut report, scene, plans.each(), &surfaces, &self.request.geometry);
+            let made = fits::Made { plans: plans.each(), surfaces: &surfaces, details, grids: &packing.grids };
+            fits::describe(&mut report, scene, made, &self.request.geometry, context.cancel)?;
             seams::describe(&mut report, &mut inputs.scene, &surfaces);
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
             Ok(packing)

@@ -1,7 +1,16 @@
 //! What a report says of a tolerance: whether it is kept, and how well.
 
+mod measured;
+mod near;
+
+use std::sync::Arc;
+
 use crate::domain::{
+    Result,
+    cancel::Cancel,
+    detail::Detail,
     fit::Fit,
+    grid::Grid,
     plan::{SurfacePlan, TessellationPlan, TolerancePlan},
     report::{Accuracy, Fitted, Report, ToleranceUnit, Warning},
     request::{Allowed, ErrorAt, Geometry, Tolerance},
@@ -9,26 +18,43 @@ use crate::domain::{
     surface::Surface,
 };
 
+/// The surfaces of all meshes, and what they were made of.
+#[derive(Clone, Copy)]
+pub(super) struct Made<'a> {
+    pub(super) plans: &'a [SurfacePlan],
+    pub(super) surfaces: &'a [Surface],
+    /// For each mesh, for each of its primitives.
+    pub(super) details: &'a [Vec<Option<Arc<Detail>>>],
+    /// Of meshes whose positions are quantised; those left out are not.
+    pub(super) grids: &'a [Option<Grid>],
+}
+
 /// One mesh.
 struct Part<'a> {
     name: &'a str,
+    surface: usize,
     plan: &'a TolerancePlan,
     fit: Fit,
+    /// As `Fit::bound_local`, of the places looked at.
+    measured_local: f64,
 }
 
-/// Fills in what the result keeps of its tolerance, and warns where that is less than asked for, or not proven.
+/// Fills in what the result keeps of its tolerance, and warns where that is less than asked for, or not proven. Fails
+/// where the job is cancelled.
 pub(super) fn describe(
     report: &mut Report,
     scene: &mut Scene,
-    plans: &[SurfacePlan],
-    surfaces: &[Surface],
+    made: Made<'_>,
     geometry: &Geometry,
-) {
-    let Some(asked) = geometry.tolerance() else { return };
-    let parts: Vec<Part<'_>> = plans.iter().zip(surfaces).filter_map(|(plan, s)| part(scene, plan, s)).collect();
+    cancel: &Cancel,
+) -> Result<()> {
+    let Some(asked) = geometry.tolerance() else { return Ok(()) };
+    let parts = (0..made.surfaces.len()).filter_map(|index| part(scene, made, index, geometry, cancel).transpose());
+    let parts: Vec<Part<'_>> = parts.collect::<Result<_>>()?;
     report.fitted = fitted(asked, &parts);
-    let warnings: Vec<Warning> = parts.iter().flat_map(|part| part.warnings(asked)).collect();
+    let warnings: Vec<Warning> = parts.iter().flat_map(|part| part.warnings(asked, made)).collect();
     scene.warnings.extend(warnings);
+    Ok(())
 }
 
 /// The tolerance that a surface keeps, and its bound, in the unit of the request; none where no tolerance decided.
@@ -37,19 +63,32 @@ pub(super) fn kept(plan: &SurfacePlan, surface: &Surface) -> Option<(f64, f64)> 
     Some((fit.tolerance_local * plan.unit_per_local, fit.bound_local * plan.unit_per_local))
 }
 
-fn part<'a>(scene: &'a Scene, plan: &'a SurfacePlan, surface: &Surface) -> Option<Part<'a>> {
-    let TessellationPlan::Tolerance(tolerance) = &plan.tessellation else { return None };
-    Some(Part { name: &scene.meshes[plan.mesh].mesh.name, plan: tolerance, fit: surface.fit? })
+/// None where no tolerance decided.
+fn part<'a>(
+    scene: &'a Scene,
+    made: Made<'a>,
+    index: usize,
+    geometry: &Geometry,
+    cancel: &Cancel,
+) -> Result<Option<Part<'a>>> {
+    let (TessellationPlan::Tolerance(plan), Some(fit)) = (&made.plans[index].tessellation, made.surfaces[index].fit)
+    else {
+        return Ok(None);
+    };
+    let mesh = &scene.meshes[index].mesh;
+    let measured_local = made.measured_local((index, mesh), plan, geometry, cancel)?;
+    Ok(Some(Part { name: &mesh.name, surface: index, plan, fit, measured_local }))
 }
 
 /// The worst of all meshes.
 fn fitted(asked: &Tolerance, parts: &[Part<'_>]) -> Option<Fitted> {
     let worst = |of: &dyn Fn(&Part<'_>) -> f64| parts.iter().map(of).reduce(f64::max);
     let bound = worst(&|part| part.fit.bound_local * part.plan.unit_per_local)?;
+    let measured = worst(&|part| part.measured_local * part.plan.unit_per_local)?;
     Some(Fitted {
         tolerance: asked.allowed.value(),
         achieved_tolerance: worst(&|part| part.achieved())?,
-        accuracy: Accuracy { bound, unit: unit(&asked.allowed) },
+        accuracy: Accuracy { bound, measured, unit: unit(&asked.allowed) },
         rounds: parts.iter().map(|part| part.fit.rounds + part.fit.collapse_rounds).max()?,
     })
 }
@@ -68,10 +107,11 @@ impl Part<'_> {
         self.fit.tolerance_local * self.plan.unit_per_local
     }
 
-    fn warnings(&self, asked: &Tolerance) -> Vec<Warning> {
+    fn warnings(&self, asked: &Tolerance, made: Made<'_>) -> Vec<Warning> {
         let estimated = !self.fit.certified && asked.error_at == ErrorAt::Surface;
         let budget = self.fit.budget_reached.then(|| self.budget_reached(&asked.allowed));
-        budget.into_iter().chain(estimated.then(|| self.estimated())).collect()
+        let near = self.too_near(&made.surfaces[self.surface], &asked.allowed);
+        budget.into_iter().chain(estimated.then(|| self.estimated())).chain(near).collect()
     }
 
     fn budget_reached(&self, allowed: &Allowed) -> Warning {
@@ -126,7 +166,8 @@ mod tests {
         }
         let surfaces = fits.map(|fit| Surface { fit: Some(fit), ..Surface::default() });
         let mut report = Report::default();
-        describe(&mut report, &mut scene, &plans, &surfaces, &geometry);
+        let made = Made { plans: &plans, surfaces: &surfaces, details: &[vec![], vec![]], grids: &[] };
+        describe(&mut report, &mut scene, made, &geometry, &Cancel::default()).unwrap();
         (report, scene.warnings)
     }
 
@@ -138,7 +179,7 @@ mod tests {
     #[test]
     fn the_worst_mesh_speaks_for_all_in_the_unit_of_the_request() {
         let (report, warnings) = described([kept(0.125), Fit { rounds: 3, ..kept(0.2) }], ErrorAt::Surface);
-        let accuracy = Accuracy { bound: 0.4, unit: ToleranceUnit::World };
+        let accuracy = Accuracy { bound: 0.4, measured: 0.0, unit: ToleranceUnit::World };
         assert_eq!(report.fitted, Some(Fitted { tolerance: 0.5, achieved_tolerance: 0.5, accuracy, rounds: 9 }));
         assert_eq!(warnings, []);
     }
@@ -168,7 +209,8 @@ mod tests {
         let (mut report, mut scene) = (Report::default(), Scene::default());
         let uniform =
             Geometry { refinement: Refinement::Uniform(1), ..geometry(Allowed::World(1.0), ErrorAt::Surface) };
-        describe(&mut report, &mut scene, &[], &[], &uniform);
+        let made = Made { plans: &[], surfaces: &[], details: &[], grids: &[] };
+        describe(&mut report, &mut scene, made, &uniform, &Cancel::default()).unwrap();
         assert_eq!(report, Report::default());
     }
 }

@@ -56,7 +56,8 @@ impl Inputs {
         let details = fitted(&mut scene, &details)?;
         job.cancel.check()?;
         if request.geometry.base != Base::Flat {
-            let smooth = || scene.meshes.iter_mut().try_for_each(|m| base::bend(&mut m.mesh, request.geometry.base));
+            let smooth =
+                || scene.meshes.iter_mut().try_for_each(|m| base::bend(&mut m.mesh, request.geometry.base, job.cancel));
             timed(job.progress, "base", &mut passes, smooth)?;
         }
         job.cancel.check()?;
@@ -66,7 +67,7 @@ impl Inputs {
         }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
         let mut inputs = Self { scene, plans, details, triangles_in, passes };
-        normal_maps::check(&mut inputs, &request.geometry)?;
+        normal_maps::check(&mut inputs, &request.geometry, request.lods, limits)?;
         Ok(inputs)
     }
 

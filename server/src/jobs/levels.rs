@@ -46,7 +46,8 @@ pub(super) fn make(
         may_quantize: gltf::obstacles(&inputs.scene).iter().map(Option::is_none).collect(),
     };
     let shown = gltf::shown_by_nodes(&inputs.scene);
-    let mut tally = Tally { bytes: inputs.plans.output_bytes(&inputs.scene), ..Tally::default() };
+    let of_maps = normal_maps::kept_bytes(inputs, &request.geometry, request.lods);
+    let mut tally = Tally { bytes: inputs.plans.output_bytes(&inputs.scene) + of_maps, ..Tally::default() };
     let mut chains = Vec::new();
     for (mesh, surface) in surfaces.iter().enumerate() {
         let (chain, lods) = maker.chain(mesh, surface, shown[mesh], &mut tally, passes)?;
@@ -63,7 +64,7 @@ pub(super) fn make(
 /// What all chains take together.
 #[derive(Default)]
 struct Tally {
-    /// Of all surfaces so far.
+    /// Of all surfaces so far, and of all normal maps.
     bytes: u64,
     /// Of each mesh, level 0 first.
     lods: Vec<Vec<Lod>>,
@@ -104,7 +105,7 @@ impl Maker<'_> {
             let before = chain.levels.last().map_or(surface, |level| &level.surface);
             let mut made = self.level(mesh, lods[number as usize - 1].tolerance, passes)?;
             if made.level.surface.triangles.len() >= before.triangles.len() {
-                tally.warnings.push(self.ended(mesh, number, before));
+                tally.warnings.push(self.ended(mesh, number, before, &made));
                 break;
             }
             self.check_size(mesh, &made.level.surface, tally)?;
@@ -141,16 +142,11 @@ impl Maker<'_> {
         Ok(Made { plan, level: Level { surface, grid, normal_maps: Vec::new() } })
     }
 
-    fn ended(&self, mesh: usize, number: u32, before: &Surface) -> Warning {
+    fn ended(&self, mesh: usize, number: u32, before: &Surface, made: &Made) -> Warning {
         let base = &self.inputs.scene.meshes[mesh].mesh;
-        let message = format!(
-            "mesh '{}' has {number} of {} levels of detail: with one more it would still have {} triangles, and no level has fewer than the mesh itself, {}: ask for fewer levels, or simplify the mesh first",
-            base.name,
-            self.request.lods,
-            before.triangles.len(),
-            base.triangles.len(),
-        );
-        Warning::new("lods_ended", message)
+        let triangles = [before, &made.level.surface].map(|surface| surface.triangles.len());
+        let ended = Ended { number, of: self.request.lods, triangles, of_base: base.triangles.len() };
+        Warning::new("lods_ended", ended.message(&base.name, lod(&made.plan, &made.level.surface).tolerance))
     }
 
     fn check_size(&self, mesh: usize, surface: &Surface, tally: &mut Tally) -> Result<()> {
@@ -165,6 +161,30 @@ impl Maker<'_> {
             self.request.lods, tally.bytes
         );
         Err(Error::too_large("lods", message))
+    }
+}
+
+/// A chain of fewer levels than were asked for.
+struct Ended {
+    number: u32,
+    of: u32,
+    /// Of the last level, and of the one that would have come after it.
+    triangles: [usize; 2],
+    of_base: usize,
+}
+
+impl Ended {
+    /// `tolerance` is that of the level left out, in the unit of the request.
+    fn message(&self, mesh: &str, tolerance: f64) -> String {
+        let Self { number, of, triangles: [last, next], of_base } = self;
+        let (why, remedy) = if last == of_base {
+            ("which are the mesh's own, and no level has fewer", "ask for fewer levels, or simplify the mesh first")
+        } else {
+            ("so it would save nothing", "ask for fewer levels")
+        };
+        format!(
+            "mesh '{mesh}' has {number} of {of} levels of detail: the next, within {tolerance:.3e}, would have {next} triangles, and the last has {last}, {why}: {remedy}"
+        )
     }
 }
 
@@ -218,6 +238,18 @@ fn radius(surface: &Surface) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_ended_a_chain_is_told_as_it_is() {
+        let ended = Ended { number: 3, of: 8, triangles: [32, 32], of_base: 32 };
+        let message = ended.message("wall", 0.5);
+        for part in ["'wall' has 3 of 8", "within 5.000e-1", "would have 32", "the mesh's own", "simplify the mesh"] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+        let message = Ended { triangles: [40, 41], ..ended }.message("wall", 0.5);
+        assert!(message.contains("would have 41 triangles, and the last has 40"), "{message}");
+        assert!(!message.contains("own") && !message.contains("simplify"), "{message}");
+    }
 
     #[test]
     fn a_mesh_whose_chain_ended_counts_with_its_last_level() {

@@ -1,11 +1,12 @@
 //! Normal maps of a result: what its triangles leave out of the surface, as `--normals map` asks.
 
+mod size;
 mod truth;
 
 use rayon::prelude::*;
 
 use super::{
-    WorkContext,
+    JobLimits, WorkContext,
     inputs::{self, Inputs},
 };
 use crate::domain::{
@@ -22,11 +23,6 @@ use crate::domain::{
 
 /// Places that a report's angles are of, for each map.
 const SAMPLES: usize = 4096;
-/// Host memory that a texel takes while its map is made.
-const BYTES_PER_TEXEL: u64 = 64;
-/// Coarser levels of detail do not go below this.
-const LEAST_OF_LEVELS: u32 = 64;
-
 /// What one surface gets.
 #[derive(Debug, Default)]
 pub(super) struct Made {
@@ -35,9 +31,11 @@ pub(super) struct Made {
     pub(super) report: Vec<report::NormalMap>,
 }
 
-/// Refuses meshes that have no coordinates to lay a map by, and warns of maps that are replaced.
-pub(super) fn check(inputs: &mut Inputs, geometry: &Geometry) -> Result<()> {
+/// Refuses meshes that have no coordinates to lay a map by, and maps that take more memory than a job is given; warns of
+/// maps that are replaced.
+pub(super) fn check(inputs: &mut Inputs, geometry: &Geometry, lods: u32, limits: &JobLimits) -> Result<()> {
     let Normals::Map { .. } = geometry.normals else { return Ok(()) };
+    size::Needed::of(inputs, geometry, lods).check(limits.host_bytes)?;
     let mut replaced = std::collections::BTreeSet::new();
     for (m, details) in inputs.scene.meshes.iter().zip(&inputs.details) {
         for (p, detail) in details.iter().enumerate() {
@@ -53,6 +51,11 @@ pub(super) fn check(inputs: &mut Inputs, geometry: &Geometry) -> Result<()> {
         Warning::new("normal_map_replaced", message)
     }));
     Ok(())
+}
+
+/// Host memory of all maps of a job once they are made.
+pub(super) fn kept_bytes(inputs: &Inputs, geometry: &Geometry, lods: u32) -> u64 {
+    size::Needed::of(inputs, geometry, lods).kept_bytes()
 }
 
 fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
@@ -90,9 +93,7 @@ pub(super) fn make(
     let Normals::Map { size } = geometry.normals else { return Ok(Made::default()) };
     let (own, details) = (&inputs.scene.meshes[mesh].mesh, &inputs.details[mesh]);
     let progress = context.progress;
-    let works = inputs::timed(progress, "cover_texels", passes, || {
-        works(inputs, (mesh, surface), size, level, context.limits.host_bytes)
-    })?;
+    let works = inputs::timed(progress, "cover_texels", passes, || works(inputs, (mesh, surface), size, level))?;
     let places = works.iter().flat_map(Work::places);
     let normals = truth::normals(context, geometry, (mesh, own), details, places.collect(), passes)?;
     context.cancel.check()?;
@@ -100,13 +101,7 @@ pub(super) fn make(
 }
 
 /// One for each primitive that has a detail.
-fn works(
-    inputs: &Inputs,
-    (mesh, surface): (usize, &Surface),
-    size: Option<u32>,
-    level: u32,
-    host_bytes: u64,
-) -> Result<Vec<Work>> {
+fn works(inputs: &Inputs, (mesh, surface): (usize, &Surface), size: Option<u32>, level: u32) -> Result<Vec<Work>> {
     let (own, details) = (&inputs.scene.meshes[mesh].mesh, &inputs.details[mesh]);
     let mut works = Vec::new();
     for (primitive, detail) in details.iter().enumerate() {
@@ -114,8 +109,7 @@ fn works(
         if own.primitives[primitive].triangles.is_empty() {
             continue;
         }
-        let size = size_of(size, detail).map(|side| (side >> level).max(LEAST_OF_LEVELS.min(side)));
-        check_size(size, host_bytes)?;
+        let size = size::of_level(size, detail, level);
         works.push(Work::new(own, surface, primitive, detail.uv_set, size)?);
     }
     Ok(works)
@@ -132,25 +126,6 @@ fn finished(works: &[Work], mesh: &Mesh, normals: &[glam::DVec3], level: u32) ->
         made.report.push(report::NormalMap { lod: level, ..report });
     }
     Ok(made)
-}
-
-/// As asked for, or as large as the largest map of the detail.
-fn size_of(asked: Option<u32>, detail: &Detail) -> [u32; 2] {
-    let largest = detail.layers.iter().filter_map(|layer| layer.source.size()).max_by_key(|[w, h]| w * h);
-    let [least, most] = [*normal_map::SIZES.start(), *normal_map::SIZES.end()];
-    let of_detail = largest.map_or([normal_map::DEFAULT_SIZE; 2], |size| size.map(|side| side.clamp(least, most)));
-    asked.map_or(of_detail, |side| [side; 2])
-}
-
-fn check_size([width, height]: [u32; 2], allowed: u64) -> Result<()> {
-    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_TEXEL;
-    if bytes <= allowed {
-        return Ok(());
-    }
-    let message = format!(
-        "a normal map of {width} x {height} takes {bytes} bytes of host memory while it is made; this server gives a job {allowed}: ask for fewer texels"
-    );
-    Err(Error::too_large("geometry.normal_map_size", message))
 }
 
 impl Work {

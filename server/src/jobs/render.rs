@@ -85,8 +85,9 @@ impl RenderWork {
         inputs.count(report);
         planned(inputs, context.limits, request)?;
         inputs::timed(context.progress, "check_surface", &mut passes, || {
-            let Inputs { scene, plans, .. } = inputs;
-            fits::describe(report, scene, plans.each(), &surfaces, &request.surface.geometry);
+            let Inputs { scene, plans, details, .. } = inputs;
+            let made = fits::Made { plans: plans.each(), surfaces: &surfaces, details, grids: &[] };
+            fits::describe(report, scene, made, &request.surface.geometry, context.cancel)?;
             seams::describe(report, &mut inputs.scene, &surfaces);
             strain::describe(report, &mut inputs.scene, &surfaces);
             Ok(())

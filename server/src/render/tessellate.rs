@@ -6,8 +6,9 @@ mod budget;
 pub mod device;
 mod refine;
 mod simplify;
+mod times;
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
 use displace_glsl::{
     layout::refine::RefinedTriangle,
@@ -37,6 +38,7 @@ use crate::{
 use budget::Attempt;
 use device::OnDevice;
 use refine::Grown;
+use times::Times;
 
 /// The tessellation of one base mesh.
 #[derive(Clone, Debug)]
@@ -45,6 +47,8 @@ pub struct Tessellated {
     /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
     pub mismatch_max: f64,
     pub fit: Fit,
+    /// Of all attempts. What a device could not do, or did wrong, and the processor then did, is `refine (host)` and
+    /// `collapse (host)`.
     pub times: Vec<PassTime>,
 }
 
@@ -109,13 +113,19 @@ fn attempts(
 ) -> Result<Tessellated> {
     let base = super::refine::base(mesh);
     let places = Places::new(tables, &base);
-    let on = device.map(|device| OnDevice::new(job, device, &places, asked(plan))).transpose()?;
-    let work = |factor| Work::new(job, plan, &places, mesh, factor);
-    let attempt = |factor| (Work { on: on.as_ref(), ..work(factor) }).run_anywhere();
-    match budget::fitting(plan.max_triangles, attempt)? {
-        Some(result) => Ok(result),
-        None => work(1.0).of_base(),
-    }
+    let on = match device.map(|device| OnDevice::new(job, device, &places, asked(plan))).transpose() {
+        Err(error) if error.kind == ErrorKind::TooLarge => None,
+        made => made?,
+    };
+    let fell_back = device.is_some() && on.is_none();
+    let times = Times::default();
+    let work = |factor| Work::new(job, plan, &places, mesh, factor, &times);
+    let attempt = |factor| (Work { on: on.as_ref(), fell_back, ..work(factor) }).run_anywhere();
+    let found = match budget::fitting(plan.max_triangles, attempt)? {
+        Some(result) => result,
+        None => work(1.0).of_base()?,
+    };
+    Ok(Tessellated { times: times.taken(), ..found })
 }
 
 fn asked(plan: &TolerancePlan) -> Asked {
@@ -135,6 +145,9 @@ struct Work<'w> {
     rounding: f64,
     /// None: by the twins.
     on: Option<&'w OnDevice>,
+    /// Whether a device was to do it.
+    fell_back: bool,
+    times: &'w Times,
 }
 
 impl<'w> Work<'w> {
@@ -144,13 +157,20 @@ impl<'w> Work<'w> {
         places: &'w Places<'w>,
         mesh: &'w Mesh,
         factor: f64,
+        times: &'w Times,
     ) -> Self {
         let reach = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        Self { job, plan, places, mesh, asked: asked(plan), factor, rounding: ROUNDING * f64::from(reach), on: None }
+        let (asked, rounding) = (asked(plan), ROUNDING * f64::from(reach));
+        Self { job, plan, places, mesh, asked, factor, rounding, on: None, fell_back: false, times }
     }
 
     fn quality(&self) -> usize {
         usize::from(self.plan.quality == Quality::High)
+    }
+
+    /// Notes the time of a step, under its second name where a device was to do it, also where it fails.
+    fn timed<T>(&self, [name, on_host]: [&str; 2], step: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.times.timed(if self.fell_back { on_host } else { name }, step)
     }
 
     /// On the device, if it has room.
@@ -162,17 +182,16 @@ impl<'w> Work<'w> {
     }
 
     fn run_on_host(&self) -> Result<Attempt> {
-        Self { on: None, ..*self }.run()
+        Self { on: None, fell_back: true, ..*self }.run()
     }
 
     fn run(&self) -> Result<Attempt> {
         let budget = self.plan.max_triangles.max(self.places.base.triangles.len() as u64);
         let limit = budget.saturating_mul(MOST_REFINED).min(budget.max(MOST_IN_MEMORY));
-        let mut times = Vec::new();
-        let Some(grown) = timed("refine", &mut times, || self.grow(START[self.quality()], limit))? else {
+        let Some(grown) = self.timed(["refine", "refine (host)"], || self.grow(START[self.quality()], limit))? else {
             return Ok(Attempt::TooMany { most_likely: 2.0 });
         };
-        self.reaching(&grown).shrunk(grown, budget, times)
+        self.reaching(&grown).shrunk(grown, budget)
     }
 
     /// With what rounding takes of places as far out as those of the mesh.
@@ -181,10 +200,11 @@ impl<'w> Work<'w> {
         Self { rounding: self.rounding.max(ROUNDING * reach), ..*self }
     }
 
-    fn shrunk(&self, grown: Grown, budget: u64, mut times: Vec<PassTime>) -> Result<Attempt> {
+    fn shrunk(&self, grown: Grown, budget: u64) -> Result<Attempt> {
         let mut fit = Fit { rounds: grown.rounds, ..Fit::default() };
         let mut mesh = grown.mesh.prepared(self.places);
-        fit.collapse_rounds = timed("collapse", &mut times, || self.shrink(&mut mesh, SWEEPS[self.quality()]))?;
+        let shrink = || self.shrink(&mut mesh, SWEEPS[self.quality()]);
+        fit.collapse_rounds = self.timed(["collapse", "collapse (host)"], shrink)?;
         let triangles = mesh.triangles.len() as u64;
         if triangles > budget {
             return Ok(Attempt::TooMany { most_likely: triangles as f64 / budget as f64 });
@@ -194,7 +214,7 @@ impl<'w> Work<'w> {
             // Rounding to f32 has let a triangle pass that should not have.
             return self.run_on_host();
         }
-        Ok(Attempt::Done(self.result(mesh, worst, grown.mismatch, fit, times)))
+        Ok(Attempt::Done(self.result(mesh, worst, grown.mismatch, fit)))
     }
 
     fn grow(&self, share: f64, limit: u64) -> Result<Option<Grown>> {
@@ -226,20 +246,12 @@ impl<'w> Work<'w> {
         let grown = self.start()?;
         let work = self.reaching(&grown);
         let worst = work.worst(&grown.mesh);
-        Ok(work.result(grown.mesh, worst, grown.mismatch, Fit::default(), Vec::new()))
+        Ok(work.result(grown.mesh, worst, grown.mismatch, Fit::default()))
     }
 
-    /// Largest distance allowed to a triangle with these displaced corners. The surface it stands for lies around it
-    /// by no more than what is allowed.
+    /// Largest distance allowed to a triangle with these displaced corners, beside rounding.
     fn tolerance(&self, corners: [DVec3; 3]) -> f64 {
-        let at = |radius: f64, centre: DVec3| self.plan.tolerance_at(centre, radius);
-        let mut allowed = self.plan.tolerance_local;
-        if !self.plan.views.is_empty() {
-            let centre = corners.iter().sum::<DVec3>() / 3.0;
-            let radius = corners.iter().fold(0.0, |most: f64, c| most.max(c.distance(centre)));
-            allowed = at(radius + at(radius, centre), centre);
-        }
-        self.within(allowed)
+        self.within(self.plan.allowed_to(corners))
     }
 
     /// What is left of an allowed distance beside rounding.
@@ -263,14 +275,7 @@ impl<'w> Work<'w> {
     }
 
     /// With what was found of its errors, measured anew.
-    fn result(
-        &self,
-        mesh: Simplified,
-        (worst, all_known): (f64, bool),
-        mismatch_max: f64,
-        fit: Fit,
-        times: Vec<PassTime>,
-    ) -> Tessellated {
+    fn result(&self, mesh: Simplified, (worst, all_known): (f64, bool), mismatch_max: f64, fit: Fit) -> Tessellated {
         let found = worst * self.within(self.plan.tolerance_local) + self.rounding;
         let budget_reached = found > self.plan.tolerance_local;
         // Without ramps a seam's sides stay apart from the one place all get: each at most twice as far as from the first.
@@ -283,13 +288,6 @@ impl<'w> Work<'w> {
             budget_reached,
             ..fit
         };
-        Tessellated { mesh, mismatch_max, fit, times }
+        Tessellated { mesh, mismatch_max, fit, times: Vec::new() }
     }
-}
-
-fn timed<T>(name: &str, times: &mut Vec<PassTime>, step: impl FnOnce() -> Result<T>) -> Result<T> {
-    let start = Instant::now();
-    let result = step()?;
-    times.push(PassTime { name: name.into(), ms: start.elapsed().as_secs_f64() * 1e3, bytes: 0 });
-    Ok(result)
 }

@@ -81,6 +81,7 @@ async fn capabilities_tell_limits_and_build() {
     assert_eq!(told.devices[0].device_class, "test");
     assert!(told.limits.unwrap().max_batch_bytes > 0);
     assert!(told.methods.iter().any(|method| method.name == "displacement"));
+    assert_eq!(told.bases, ["flat", "pn", "phong", "loop"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -132,6 +132,20 @@ fn tessellation_on_the_device_is_the_same_every_time_and_in_small_pages() {
 }
 
 #[test]
+fn what_a_device_has_no_room_for_is_done_on_the_host_and_told() {
+    let layers = vec![layer(map([600, 600], Wrap::Repeat, Sampling::Center, smooth), 0.05, IDENTITY)];
+    let (subject, plan) = (Subject::new(&meshes::plane(1), 3.0, layers), plan(0.012, ErrorAt::Surface));
+    let twin = on_host(&subject, &plan);
+    let names = |found: &Tessellated| found.times.iter().map(|time| time.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&twin), ["refine", "collapse"]);
+    // Enough for the self-test, and less than the map.
+    let small = DeviceOptions { budget_bytes: 5 << 18, ..DeviceOptions::default() };
+    let found = on(&Device::open(&small).expect("opens"), &subject, &plan);
+    assert!(found.mesh.triangles == twin.mesh.triangles);
+    assert_eq!(names(&found), ["refine (host)", "collapse (host)"]);
+}
+
+#[test]
 fn two_triangles_under_a_large_map_become_as_few_as_with_the_twin() {
     // A hill on a plain: large regions are flat.
     let hill = |x: u32, y: u32| {

@@ -4,6 +4,7 @@ use std::{fmt, sync::Arc};
 
 use displace_server::domain::{
     base::bend,
+    cancel::Cancel,
     detail::{Detail, LayerSource, Map, Sampling, Wrap},
     mesh::Mesh,
     request::{Allowed, Base, Geometry, SeamRule},
@@ -69,7 +70,7 @@ fn source(random: &mut StdRng) -> (String, LayerSource) {
 impl Case {
     /// The same over another base.
     pub(super) fn over(mut self, base: Base) -> Self {
-        bend(&mut self.mesh, base).expect("a test mesh is small");
+        bend(&mut self.mesh, base, &Cancel::default()).expect("a test mesh is small");
         Self { name: format!("{} over {base:?}", self.name), geometry: Geometry { base, ..self.geometry }, ..self }
     }
 }

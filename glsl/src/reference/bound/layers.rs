@@ -10,7 +10,7 @@ use super::{
     texels::MapPlace,
 };
 use crate::{
-    layout::geometry::{Layer, kind},
+    layout::geometry::kind,
     reference::{
         frame::{MIN_BLENDED_NORMAL, MIN_TANGENT_SQUARE, any_perpendicular},
         place::Places,
@@ -47,14 +47,14 @@ struct Frame {
 impl Patch<'_> {
     /// As [`super::bound`], without seams.
     pub(super) fn bound(&self, cap: f64) -> f64 {
-        let layers = self.places.layers(self.detail);
-        if layers.is_empty() {
+        let numbers = self.places.tables.details[self.detail as usize].clone();
+        if numbers.is_empty() {
             return 0.0;
         }
         let frame = self.frame();
         let mut sum = 0.0;
-        for layer in layers {
-            sum += self.layer(layer, &frame, cap - sum);
+        for number in numbers {
+            sum += self.layer(number as usize, &frame, cap - sum);
             if sum > cap {
                 break;
             }
@@ -82,26 +82,28 @@ impl Patch<'_> {
         Frame { direction: if flat { direction } else { direction.over(normal, MIN_BLENDED_NORMAL) }, normal }
     }
 
-    fn layer(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
+    /// Of layer `number` among all.
+    fn layer(&self, number: usize, frame: &Frame, cap: f64) -> f64 {
+        let layer = &self.places.tables.layers[number];
         match layer.kind {
-            kind::HEIGHT => along(frame.direction, |cap| self.channel(layer, 0, cap), cap),
+            kind::HEIGHT => along(frame.direction, |cap| self.channel(number, 0, cap), cap),
             kind::EXPRESSION => {
                 let resolution = self.resolution / frame.direction.most().max(f64::MIN_POSITIVE);
                 along(frame.direction, |cap| expression::height(self, layer, cap, resolution), cap)
             }
             kind::VECTOR_OBJECT => {
-                let one = |k: u64| self.channel(layer, k, cap).curvature;
+                let one = |k: u64| self.channel(number, k, cap).curvature;
                 DVec3::new(one(0), one(1), one(2)).length()
             }
-            _ => self.in_tangent_frame(layer, frame, cap),
+            _ => self.in_tangent_frame(number, frame, cap),
         }
     }
 
-    fn in_tangent_frame(&self, layer: &Layer, frame: &Frame, cap: f64) -> f64 {
+    fn in_tangent_frame(&self, number: usize, frame: &Frame, cap: f64) -> f64 {
         let normal = frame.normal.unit();
         let (tangent, bitangent) = self.tangents(normal);
         let axes = [tangent, bitangent, frame.direction];
-        (0..3).map(|k| along(axes[k as usize], |cap| self.channel(layer, k, cap), cap)).sum()
+        (0..3).map(|k| along(axes[k as usize], |cap| self.channel(number, k, cap), cap)).sum()
     }
 
     fn tangents(&self, normal: Field) -> (Field, Field) {
@@ -127,16 +129,10 @@ impl Patch<'_> {
         (tangent, Field { curvature: if mixed { 2.0 } else { bitangent.curvature }, ..bitangent })
     }
 
-    /// Of a layer of the patch's detail, among all.
-    fn number(&self, layer: &Layer) -> usize {
-        let first = self.places.tables.details[self.detail as usize].start as usize;
-        let own = self.places.layers(self.detail).iter().position(|own| std::ptr::eq(own, layer));
-        first + own.unwrap_or(0)
-    }
-
-    /// One channel of a map, scaled; `cap` is what its own bound may reach.
-    fn channel(&self, layer: &Layer, channel: u64, cap: f64) -> Scalar {
+    /// One channel of the map of layer `number`, scaled; `cap` is what its own bound may reach.
+    fn channel(&self, number: usize, channel: u64, cap: f64) -> Scalar {
         let tables = self.places.tables;
+        let layer = &tables.layers[number];
         let scale = f64::from(layer.scale);
         let is_known = self.in_map.iter().all(MapPlace::is_known);
         let found = || self.uv().map(|uv| MapPlace::of(tables, layer, channel, uv));
@@ -148,7 +144,7 @@ impl Patch<'_> {
         }
         let cap = if scale == 0.0 { f64::INFINITY } else { cap / scale.abs() };
         let lattice = Lattice::new(tables, layer, channel);
-        let pyramid = &self.places.pyramids[self.number(layer)][channel as usize];
+        let pyramid = &self.places.pyramids[number][channel as usize];
         let found = search::greatest(&lattice, pyramid, corners, self.asked.at_texels, cap);
         Scalar { corners: values, curvature: found * scale.abs() }
     }

@@ -169,9 +169,8 @@ impl Judge<'_> {
     pub(in crate::reference) fn turned(&self, gv: [u32; 4], base: u32, most: f64) -> Option<f64> {
         let corners = gv.map(|gv| Corner::new(self.places, self.mesh, gv, base));
         let before = triangles(&corners, [[0, 1, 2], [1, 0, 3]]);
-        let follows = |after: &Triangle<'_>| {
-            after.twice_area() > 0 && before.iter().all(|before| self.faces_as(before, after))
-        };
+        let follows =
+            |after: &Triangle<'_>| after.twice_area() > 0 && before.iter().all(|before| self.faces_as(before, after));
         let after = [[2, 0, 3], [3, 1, 2]];
         if !triangles(&corners, after).iter().all(follows) {
             return None;

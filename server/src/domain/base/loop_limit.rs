@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use displace_glsl::{
     bezier::Net,
     layout::geometry::NONE,
-    patches::{PatchNode, Patches, on_edge},
+    patches::{PatchNode, Patches},
     reference::bound::summaries,
 };
 use glam::DVec3;
@@ -20,28 +20,28 @@ use super::{
     fan::Fan,
     narrow, quadratic,
     ring::{Around, Corner, Kind},
+    table::{Budget, joined},
     wide,
 };
-use crate::domain::{Error, Result, mesh::Mesh};
+use crate::domain::{Error, Result, cancel::Cancel, mesh::Mesh};
 
 /// Splits towards an irregular vertex.
 const MOST_SPLITS: u32 = 16;
 /// What is left may bend so little, as a share of the mesh's largest coordinate.
 const RESOLUTION: f64 = 1.0 / (1 << 24) as f64;
-/// Parts of all triangles of a mesh: 250 MB.
-const MOST_NODES: usize = 1 << 20;
-
 /// Triangles around a vertex: what is made of them grows with the cube of their number.
 const MOST_AROUND: usize = 512;
 
 /// Moves the vertices of the mesh to the limit, and returns its patches.
-pub(super) fn bend(mesh: &mut Mesh) -> Result<Patches> {
+pub(super) fn bend(mesh: &mut Mesh, cancel: &Cancel) -> Result<Patches> {
     check_valence(mesh)?;
-    let vertices: Vec<Vertex> = (0..mesh.gv_position.len()).into_par_iter().map(|gv| vertex(mesh, gv)).collect();
+    let budget = Budget::new(mesh, cancel)?;
+    let vertices = (0..mesh.gv_position.len()).into_par_iter();
+    let vertices: Vec<Vertex> = vertices.map(|gv| vertex(mesh, gv, cancel)).collect::<Result<_>>()?;
     let largest = mesh.gv_position.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
     let smallest = f64::from(largest) * RESOLUTION;
-    let parts = (0..mesh.triangles.len()).into_par_iter().map(|t| whole(mesh, &vertices, t, smallest));
-    let patches = joined(mesh, parts.collect())?;
+    let parts = (0..mesh.triangles.len()).into_par_iter().map(|t| whole(mesh, &vertices, t, smallest, &budget));
+    let patches = joined(mesh, parts.collect::<Result<_>>()?);
     for (gv, vertex) in vertices.iter().enumerate() {
         let Some(limit) = vertex.limit else { continue };
         mesh.gv_position[gv] = narrow(limit);
@@ -62,9 +62,11 @@ struct Vertex {
     normal: Option<DVec3>,
 }
 
-fn vertex(mesh: &Mesh, gv: usize) -> Vertex {
+/// Around one of many triangles this is long work: fails where the job is cancelled.
+fn vertex(mesh: &Mesh, gv: usize, cancel: &Cancel) -> Result<Vertex> {
+    cancel.check()?;
     let corners = mesh.gv_corner.list(gv);
-    let Some(first) = corners.first() else { return Vertex { kind: Kind::Fixed, limit: None, normal: None } };
+    let Some(first) = corners.first() else { return Ok(Vertex { kind: Kind::Fixed, limit: None, normal: None }) };
     let fan = Fan::new(mesh, *first);
     let kind = kind(mesh, corners, &fan);
     let corner = fan.corner(mesh, kind);
@@ -74,7 +76,7 @@ fn vertex(mesh: &Mesh, gv: usize) -> Vertex {
         .iter()
         .any(|(t, turned)| facing(mesh, *t) != facing(mesh, fan.first()) * if *turned { -1.0 } else { 1.0 });
     let normal = (corner.normal() * facing(mesh, fan.first())).try_normalize().filter(|_| whole && !turns);
-    Vertex { kind, limit: Some(corner.limit()), normal }
+    Ok(Vertex { kind, limit: Some(corner.limit()), normal })
 }
 
 /// Creases end at a vertex that has not just two.
@@ -98,50 +100,56 @@ fn kind(mesh: &Mesh, corners: &[u32], fan: &Fan) -> Kind {
 }
 
 /// The parts of triangle t; indices count from the first.
-fn whole(mesh: &Mesh, vertices: &[Vertex], t: usize, smallest: f64) -> Patches {
+fn whole(mesh: &Mesh, vertices: &[Vertex], t: usize, smallest: f64, budget: &Budget<'_>) -> Result<Patches> {
+    // The fans around its corners are long work.
+    budget.take(0)?;
     let gvs = mesh.triangles[t].av.map(|av| mesh.av_gv[av as usize] as usize);
     let corner = |k: usize| Fan::new(mesh, (3 * t + k) as u32).corner(mesh, vertices[gvs[k]].kind);
     let side = facing(mesh, t as u32) as f32;
-    let mut parts = Parts { made: Patches::default(), smallest, side };
+    let mut parts = Parts { made: Patches::default(), smallest, side, budget };
     let none = PatchNode { parts: NONE, points: 0, degree: 0, normals: NONE, given: NONE, side };
     parts.made.nodes.push(none);
-    parts.fill(0, &Around([corner(0), corner(1), corner(2)]), MOST_SPLITS);
+    parts.fill(0, &Around([corner(0), corner(1), corner(2)]), MOST_SPLITS)?;
     if gvs.iter().any(|gv| vertices[*gv].normal.is_none()) {
         let mask = gvs.map(|gv| f32::from(u8::from(vertices[gv].normal.is_none())));
         let directions = gvs.map(|gv| mesh.gv_direction[gv]);
         parts.made.nodes[0].given = parts.add([mask, directions[0], directions[1], directions[2]]);
     }
     parts.made.summaries = summaries(&parts.made);
-    parts.made
+    Ok(parts.made)
 }
 
 /// Parts of one triangle as they are made.
-struct Parts {
+struct Parts<'b> {
     made: Patches,
     smallest: f64,
     side: f32,
+    budget: &'b Budget<'b>,
 }
 
-impl Parts {
-    fn fill(&mut self, node: usize, around: &Around, splits: u32) {
+impl Parts<'_> {
+    fn fill(&mut self, node: usize, around: &Around, splits: u32) -> Result<()> {
         if let Some(net) = around.quartic() {
             let points = self.add_net(&net);
             self.made.nodes[node] = PatchNode { points, degree: 4, ..self.made.nodes[node] };
-            return;
+            return Ok(());
         }
         let limits = around.0.each_ref().map(Corner::limit);
         let middles = [0, 1, 2].map(|k| around.middle(k));
         let bend = |k: usize| middles[k].limit().distance(0.5 * (limits[k] + limits[(k + 1) % 3]));
         if splits == 0 || (0..3).all(|k| bend(k) <= self.smallest) {
-            return self.end(node, around, &middles);
+            self.end(node, around, &middles);
+            return Ok(());
         }
+        self.budget.take(4)?;
         let first = self.made.nodes.len();
         self.made.nodes[node].parts = first as u32;
         let none = PatchNode { parts: NONE, given: NONE, ..self.made.nodes[node] };
         self.made.nodes.extend([none; 4]);
         for (k, part) in around.parts().iter().enumerate() {
-            self.fill(first + k, part, splits - 1);
+            self.fill(first + k, part, splits - 1)?;
         }
+        Ok(())
     }
 
     /// Quadratics through the limits at corners and middles of sides, and through the normals there.
@@ -185,53 +193,6 @@ fn check_valence(mesh: &Mesh) -> Result<()> {
         mesh.name
     );
     Err(Error::too_large("geometry.base", message))
-}
-
-/// The parts of all triangles as one table: whole triangles first.
-fn joined(mesh: &Mesh, parts: Vec<Patches>) -> Result<Patches> {
-    let nodes: usize = parts.iter().map(|part| part.nodes.len()).sum();
-    if nodes > MOST_NODES {
-        let message = format!(
-            "loop makes {nodes} patches of mesh '{}'; at most {MOST_NODES} are kept: use base pn, or a mesh with fewer triangles or with six at most vertices",
-            mesh.name
-        );
-        return Err(Error::too_large("geometry.base", message));
-    }
-    let mut all = Patches { edges: edges(mesh), ..Patches::default() };
-    let mut next = parts.len() as u32;
-    let (mut rest, mut summaries) = (Vec::new(), Vec::new());
-    for part in parts {
-        let points = all.points.len() as u32;
-        let moved = |index: u32, by: u32| if index == NONE { NONE } else { index + by };
-        // A whole triangle's parts start at 1 of its own table.
-        let node = |node: &PatchNode| PatchNode {
-            parts: if node.parts == NONE { NONE } else { node.parts - 1 + next },
-            points: node.points + points,
-            normals: moved(node.normals, points),
-            given: moved(node.given, points),
-            ..*node
-        };
-        all.nodes.push(node(&part.nodes[0]));
-        rest.extend(part.nodes[1..].iter().map(node));
-        next += part.nodes.len() as u32 - 1;
-        all.points.extend(part.points);
-        all.summaries.push(part.summaries[0]);
-        summaries.extend_from_slice(&part.summaries[1..]);
-    }
-    all.nodes.extend(rest);
-    all.summaries.extend(summaries);
-    Ok(all)
-}
-
-/// Where each ae lies: on the first triangle of its geometric edge, so that all sides are one place.
-fn edges(mesh: &Mesh) -> Vec<u32> {
-    let place = |ge: &u32| {
-        let side = mesh.ge_side.list(*ge as usize)[0];
-        let (t, k) = (side / 3, side % 3);
-        let from = mesh.triangles[t as usize].av[k as usize];
-        on_edge(t, k, mesh.ge_gv[*ge as usize][0] != mesh.av_gv[from as usize])
-    };
-    mesh.ae_ge.iter().map(place).collect()
 }
 
 /// The side of the triangle's winding on which its normals are.

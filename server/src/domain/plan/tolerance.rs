@@ -88,6 +88,18 @@ impl TolerancePlan {
         of_views.fold(f64::MAX, f64::min).max(self.tolerance_local)
     }
 
+    /// Largest distance allowed to a triangle with these displaced corners, mesh-local units. The surface it stands for
+    /// lies around it by no more than that.
+    #[must_use]
+    pub fn allowed_to(&self, corners: [DVec3; 3]) -> f64 {
+        if self.views.is_empty() {
+            return self.tolerance_local;
+        }
+        let centre = corners.iter().sum::<DVec3>() / 3.0;
+        let radius = corners.iter().fold(0.0, |most: f64, c| most.max(c.distance(centre)));
+        self.tolerance_at(centre, radius + self.tolerance_at(centre, radius))
+    }
+
     /// Keeps the tolerance above what positions resolve: below, the test for it would be noise.
     fn clamp(&mut self, mesh: &Mesh, allowed: &Allowed) -> Option<Warning> {
         let sphere = Sphere::around(mesh);

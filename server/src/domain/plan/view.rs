@@ -84,6 +84,20 @@ impl ViewPlan {
         Self::UNSEEN * distance.max(depth).max(self.near_world) * self.tolerance_at_unit_depth
     }
 
+    /// The least depth of what this view sees of a triangle, world units, where that is nearer than `near_world`: it is
+    /// held to less than the pixels asked for.
+    #[must_use]
+    pub fn seen_too_near(&self, corners: [DVec3; 3]) -> Option<f64> {
+        let row = DVec4::from_array(self.depth_from_local);
+        let depth = |p: &DVec3| row.dot(p.extend(1.0));
+        let depths = corners.each_ref().map(depth);
+        if depths.iter().all(|depth| *depth >= self.near_world) || depths.iter().all(|depth| *depth < 0.0) {
+            return None;
+        }
+        let seen = self.planes_local.iter().fold(corners.to_vec(), |part, plane| clipped(&part, *plane));
+        seen.iter().map(depth).reduce(f64::min).filter(|least| *least < self.near_world)
+    }
+
     fn is_outside(&self, centre: DVec3, radius: f64) -> bool {
         self.planes_local.iter().any(|plane| DVec4::from_array(*plane).dot(centre.extend(1.0)) < -radius)
     }
@@ -99,6 +113,23 @@ fn sides(across: f64, upright: f64) -> [DVec4; 5] {
         // Nothing that is ahead is left out for being too near.
         DVec4::new(0.0, 0.0, -1.0, 0.0),
     ]
+}
+
+/// What of a convex polygon is on the inner side of a plane (Sutherland and Hodgman 1974).
+fn clipped(polygon: &[DVec3], plane: [f64; 4]) -> Vec<DVec3> {
+    let above = |p: &DVec3| DVec4::from_array(plane).dot(p.extend(1.0));
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, from) in polygon.iter().enumerate() {
+        let to = &polygon[(k + 1) % polygon.len()];
+        let (a, b) = (above(from), above(to));
+        if a >= 0.0 {
+            kept.push(*from);
+        }
+        if (a >= 0.0) != (b >= 0.0) {
+            kept.push(from.lerp(*to, a / (a - b)));
+        }
+    }
+    kept
 }
 
 /// With a normal of length 1, if it is longer than `least`.

@@ -27,6 +27,21 @@ pub enum Base {
     Loop,
 }
 
+impl Base {
+    pub const ALL: [Self; 4] = [Self::Flat, Self::Pn, Self::Phong, Self::Loop];
+
+    /// As the API and the command line have it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Pn => "pn",
+            Self::Phong => "phong",
+            Self::Loop => "loop",
+        }
+    }
+}
+
 /// What decides how fine the result is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Refinement {

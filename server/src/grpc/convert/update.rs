@@ -80,7 +80,11 @@ fn to_fit(fitted: &Fitted) -> v1::Fit {
     v1::Fit {
         tolerance: fitted.tolerance,
         achieved_tolerance: fitted.achieved_tolerance,
-        accuracy: Some(v1::Accuracy { bound: fitted.accuracy.bound, unit: unit.into() }),
+        accuracy: Some(v1::Accuracy {
+            bound: fitted.accuracy.bound,
+            measured: fitted.accuracy.measured,
+            unit: unit.into(),
+        }),
         rounds: fitted.rounds,
     }
 }

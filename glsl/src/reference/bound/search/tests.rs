@@ -28,13 +28,15 @@ impl Numbers {
 
 const FAR: i32 = 1 << 23;
 const NO_FOLD: i32 = 1 << 30;
+const WAYS: i32 = 5;
 
-/// The ways a map of n texels may go on.
+/// The ways a map of n texels may go on: repeated by texels or by nodes, mirrored by texels or by nodes, clamped.
 fn axis(n: i32, way: i32) -> MapAxis {
     let (low, high, period, top, fold) = match way {
         0 => (-FAR, FAR, n, n - 1, NO_FOLD),
         1 => (-FAR, FAR, (n - 1).max(1), n - 1, NO_FOLD),
         2 => (-FAR, FAR, 2 * n, 2 * n - 1, 2 * n - 1),
+        3 => (-FAR, FAR, (2 * n - 2).max(1), (2 * n - 3).max(0), if n > 1 { 2 * n - 2 } else { NO_FOLD }),
         _ => (0, n - 1, n, n - 1, NO_FOLD),
     };
     MapAxis { low, high, period, top, fold, inverse_period: 1.0 / period as f32 }
@@ -44,8 +46,8 @@ fn map(numbers: &mut Numbers) -> Tables {
     let [width, height] = [0; 2].map(|_| 1 + numbers.below(60));
     let layer = Layer {
         row: width as u32,
-        across: axis(width, numbers.below(4)),
-        down: axis(height, numbers.below(4)),
+        across: axis(width, numbers.below(WAYS)),
+        down: axis(height, numbers.below(WAYS)),
         ..Layer::default()
     };
     let rough = numbers.share() as f32;
@@ -98,6 +100,60 @@ fn blocks_lose_nothing_whatever_the_map_its_wrapping_and_the_triangle() {
             assert!((found - right).abs() <= slack, "case {case}: {found} {right} {corners:?} {lattice:?}");
             assert!((quick - right).abs() <= slack, "case {case}: {quick} {right} {corners:?} {lattice:?}");
         }
+    }
+}
+
+#[test]
+fn a_cap_ends_searches_early_and_never_below_the_truth() {
+    let mut numbers = Numbers(3);
+    let [mut below, mut above] = [0; 2];
+    for case in 0..2000 {
+        let tables = map(&mut numbers);
+        let lattice = Lattice::new(&tables, &tables.layers[0], 0);
+        let pyramid = Pyramid::new(&lattice);
+        let (corners, at_texels) = (corners(&mut numbers, &lattice), case % 2 == 1);
+        let right = exhaustive(&lattice, &corners, at_texels);
+        let cap = right * [0.2, 0.9, 1.1, 3.0][numbers.below(4) as usize];
+        let slack = 1e-7 * (1.0 + right);
+        for found in [
+            Search::new(&lattice, &pyramid, corners, at_texels, cap).run(),
+            greatest(&lattice, &pyramid, corners, at_texels, cap),
+        ] {
+            let allowed =
+                if right > cap { cap..=right + slack } else { right - slack..=right + RESOLUTION * cap + slack };
+            assert!(allowed.contains(&found), "case {case}: {found} of {right}, cap {cap}, {corners:?} {lattice:?}");
+            *(if right > cap { &mut above } else { &mut below }) += 1;
+        }
+    }
+    assert!(below > 500 && above > 500, "{below} {above}");
+}
+
+/// The map at a place of texel space, from its definition.
+fn bilinear_at(lattice: &Lattice<'_>, [x, y]: [f64; 2]) -> f64 {
+    let [[a, b], [c, d]] = lattice.cell(x.floor() as i64, y.floor() as i64);
+    let (s, t) = (x - x.floor(), y - y.floor());
+    (a * (1.0 - s) + b * s) * (1.0 - t) + (c * (1.0 - s) + d * s) * t
+}
+
+#[test]
+fn no_place_looked_at_closely_is_farther_off_than_what_is_found() {
+    const ALONG_SIDE: i32 = 60;
+    let mut numbers = Numbers(4);
+    for case in 0..500 {
+        let tables = map(&mut numbers);
+        let lattice = Lattice::new(&tables, &tables.layers[0], 0);
+        let pyramid = Pyramid::new(&lattice);
+        let corners = corners(&mut numbers, &lattice);
+        let found = greatest(&lattice, &pyramid, corners, false, f64::INFINITY);
+        let mut seen: f64 = 0.0;
+        for (i, j) in (0..=ALONG_SIDE).flat_map(|i| (0..=ALONG_SIDE - i).map(move |j| (i, j))) {
+            let shares = [i, j, ALONG_SIDE - i - j].map(|share| f64::from(share) / f64::from(ALONG_SIDE));
+            let sum = |of: fn(&Corner) -> f64| (0..3).map(|k| shares[k] * of(&corners[k])).sum::<f64>();
+            let flat = sum(|corner| corner.value);
+            seen = seen.max((bilinear_at(&lattice, [sum(|corner| corner.x), sum(|corner| corner.y)]) - flat).abs());
+        }
+        assert!(seen <= found + 1e-7 * (1.0 + found), "case {case}: {seen} beyond {found}, {corners:?} {lattice:?}");
+        assert!(found <= 3.0 * seen + 1e-7, "case {case}: {found} is far from {seen}, {corners:?} {lattice:?}");
     }
 }
 

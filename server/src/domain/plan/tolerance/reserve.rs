@@ -34,13 +34,13 @@ impl TolerancePlan {
     }
 
     /// The fit once vertices have been moved by up to `error_local`; none where the tolerance asked for does not hold
-    /// then, though the tessellation kept it.
+    /// then, though the tessellation kept it. What a budget or seams without ramps have broken already is broken further.
     #[must_use]
     pub fn moved(&self, fit: Fit, error_local: f64) -> Option<Fit> {
         let Reserve { error_local: reserved, share } = self.reserve?;
         let asked = self.tolerance_local / (1.0 - share);
         let bound_local = fit.bound_local + asked * share * error_local / reserved;
-        if fit.budget_reached {
+        if fit.budget_reached || fit.bound_local > asked {
             return Some(Fit { bound_local, tolerance_local: bound_local, ..fit });
         }
         (bound_local <= asked * (1.0 + 1e-12)).then_some(Fit { bound_local, tolerance_local: asked, ..fit })
@@ -106,13 +106,15 @@ mod tests {
     }
 
     #[test]
-    fn where_the_budget_ended_refinement_the_bound_is_what_is_kept() {
+    fn where_the_tolerance_is_broken_already_the_bound_is_what_is_kept() {
         let mut plan = plan(1e-3);
         plan.keep_back(&mesh(), 0.0);
         let error = plan.reserve.unwrap().error_local;
         let short = Fit { bound_local: 2e-3, tolerance_local: 2e-3, budget_reached: true, ..Fit::default() };
-        let fit = plan.moved(short, error).unwrap();
-        assert_eq!(fit.bound_local, fit.tolerance_local);
-        assert!((fit.bound_local - 2e-3 - error).abs() < 1e-15);
+        for broken in [short, Fit { budget_reached: false, ..short }] {
+            let fit = plan.moved(broken, error).unwrap();
+            assert_eq!(fit.bound_local, fit.tolerance_local);
+            assert!((fit.bound_local - 2e-3 - error).abs() < 1e-15);
+        }
     }
 }

@@ -139,6 +139,20 @@ fn what_the_eye_is_inside_of_is_held_to_the_nearest_depth() {
 }
 
 #[test]
+fn what_a_view_sees_nearer_than_the_nearest_depth_is_found_and_nothing_else() {
+    let (plan, _) = planned(&scene(vec![scaled(2.0, 2.0, 2.0)]), pixels(0.5));
+    let seen = |corners: [[f64; 3]; 3]| plan.views[0].seen_too_near(corners.map(|p| DVec3::from_array(p) * 0.5));
+    // The nearest depth is 0.01.
+    let least = seen([[-9.0, -9.0, 2.995], [9.0, -9.0, 2.995], [0.0, 9.0, 2.995]]).unwrap();
+    assert!(near(least, 0.005), "{least}");
+    assert_eq!(seen([[-1.0, -1.0, 2.98], [1.0, -1.0, 2.98], [0.0, 1.0, 2.98]]), None, "farther");
+    assert_eq!(seen([[-1.0, -1.0, 3.005], [1.0, -1.0, 3.005], [0.0, 1.0, 3.005]]), None, "behind");
+    assert_eq!(seen([[0.1, -1.0, 9.0], [0.1, 1.0, 9.0], [0.1, 0.0, -9.0]]), None, "passes by");
+    let least = seen([[0.0, -1.0, 9.0], [0.0, 1.0, 9.0], [0.0, 0.0, -9.0]]).unwrap();
+    assert!(least < 1e-12, "through the eye: {least}");
+}
+
+#[test]
 fn what_is_not_seen_is_allowed_eight_times_what_a_look_there_would_allow() {
     let (plan, _) = planned(&scene(vec![scaled(1.0, 1.0, 1.0)]), pixels(0.5));
     let at_unit_depth = plan.views[0].tolerance_at_unit_depth;
