@@ -148,7 +148,7 @@ fn no_place_looked_at_closely_is_farther_off_than_what_is_found() {
         let mut seen: f64 = 0.0;
         for (i, j) in (0..=ALONG_SIDE).flat_map(|i| (0..=ALONG_SIDE - i).map(move |j| (i, j))) {
             let shares = [i, j, ALONG_SIDE - i - j].map(|share| f64::from(share) / f64::from(ALONG_SIDE));
-            let sum = |of: fn(&Corner) -> f64| (0..3).map(|k| shares[k] * of(&corners[k])).sum::<f64>();
+            let sum = |of: fn(&MapPlace) -> f64| (0..3).map(|k| shares[k] * of(&corners[k])).sum::<f64>();
             let flat = sum(|corner| corner.value);
             seen = seen.max((bilinear_at(&lattice, [sum(|corner| corner.x), sum(|corner| corner.y)]) - flat).abs());
         }
