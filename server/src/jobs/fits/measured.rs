@@ -13,7 +13,8 @@ use crate::{
     },
 };
 
-/// A place of every triangle is looked at: it takes the oracle microseconds, and tessellating some hundred.
+/// So many triangles at most, spread over all, are looked at in the middle: that takes the oracle microseconds each.
+const MOST_IN_MIDDLE: usize = 1 << 13;
 const MIDDLE: [DVec3; 1] = [DVec3::splat(1.0 / 3.0)];
 /// Of the triangles found farthest off there, one in so many is looked at on its sides as well, but not fewer than
 /// `LEAST_ON_SIDES`.
@@ -46,7 +47,8 @@ impl Made<'_> {
 }
 
 fn largest_share(sampled: &Sampled<'_>, cancel: &Cancel) -> Result<f64> {
-    let all: Vec<usize> = (0..sampled.surface.triangles.len()).collect();
+    let count = sampled.surface.triangles.len();
+    let all: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_IN_MIDDLE).max(1)).collect();
     let middles = sampled.shares(&all, |_| MIDDLE, cancel)?;
     let some = farthest(&all, &middles, LEAST_ON_SIDES.max(all.len() / ON_SIDES));
     let sides = sampled.shares(&some, |_| SIDES, cancel)?;
