@@ -12,6 +12,8 @@ mod pieces;
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 pub use arrangement::Arrangement;
 pub use layout::{Layout, Place};
 pub use pieces::{Pieces, Shape};
@@ -35,7 +37,8 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
     /// Largest disagreement of the sides of a seam before reconciling, mesh-local units.
     pub mismatch_max: f32,
-    /// Triangles that face against their base triangle.
+    /// Triangles that face against their base triangle; where they span several, against the triangle between the
+    /// places of their corners on the base.
     pub flipped: u64,
     /// Where a tolerance decided.
     pub fit: Option<Fit>,
@@ -64,5 +67,24 @@ impl Surface {
     #[must_use]
     pub fn site(&self, mesh: &Mesh, vertex: usize) -> ([u32; 3], [f64; 3]) {
         self.layout.place(mesh, vertex).site(mesh)
+    }
+
+    /// Where a fine vertex is on the flat base, mesh-local units.
+    #[must_use]
+    pub fn base_place(&self, mesh: &Mesh, vertex: usize) -> DVec3 {
+        let (avs, weights) = self.site(mesh, vertex);
+        let place = |av: u32| DVec3::from_array(mesh.gv_position[mesh.av_gv[av as usize] as usize].map(f64::from));
+        avs.into_iter().zip(weights).map(|(av, weight)| weight * place(av)).sum()
+    }
+
+    /// Fine vertices that triangles have: all of them, but where triangles span several base triangles.
+    #[must_use]
+    pub fn vertices_used(&self) -> u64 {
+        if !self.layout.is_spanning() {
+            return self.positions.len() as u64;
+        }
+        let mut used = vec![false; self.positions.len()];
+        self.triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
+        used.into_iter().filter(|used| *used).count() as u64
     }
 }

@@ -47,6 +47,8 @@ pub struct Directed {
 
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
+/// How far the bounds of one distance may be apart where only a limit is asked about, as a share of it.
+const WIDTH_WITHIN: f64 = 1.0 / 16.0;
 /// Rounding of one distance, as a share of the largest number in it.
 const ROUNDING: f64 = 1e-14;
 /// Pieces deeper than this are cut in halves, so that they shrink surely.
@@ -93,6 +95,42 @@ pub fn directed(
     let hi = best.lower.max(open.most()) + rounding;
     let lo = (best.lower - rounding - a.moved() - b.sliver_rounding()).max(0.0);
     Ok(Some(Directed { lo, hi, at: best.at, cuts }))
+}
+
+/// An upper bound of the largest distance from A to B, where that is found to be at most `limit`; none where it is more,
+/// or still open after `max_cuts`. Both are meshes. Much sooner found than [`directed`]'s interval: nothing is cut that is
+/// near enough.
+pub fn within(a: &Sheet<'_>, b: &Sheet<'_>, limit: f64, max_cuts: u64, cancel: &Cancel) -> Result<Option<f64>> {
+    if a.triangles.is_empty() || b.triangles.is_empty() {
+        return Ok(None);
+    }
+    let rounding = ROUNDING * a.magnitude().max(b.magnitude());
+    let enough = limit - rounding;
+    let search = Search { a, b, width: limit * WIDTH_WITHIN, cancel };
+    let vertices = search.vertices()?;
+    if vertices.iter().any(|near| near.lower > enough) {
+        return Ok(None);
+    }
+    let mut open = Open::default();
+    let all: Vec<u32> = (0..a.triangles.len() as u32).collect();
+    let whole: Vec<Piece> = all.par_iter().map(|&t| search.whole(t, &vertices, enough)).collect::<Result<_>>()?;
+    whole.into_iter().for_each(|piece| open.add(piece, enough));
+    let mut cuts = 0;
+    while cuts < max_cuts {
+        let batch = open.take(BATCH, enough);
+        if batch.is_empty() {
+            break;
+        }
+        cuts += batch.len() as u64;
+        let parts: Vec<[Piece; 2]> =
+            batch.par_iter().map(|piece| search.cut(piece, enough - search.width, search.width)).collect::<Result<_>>()?;
+        if parts.iter().flatten().flat_map(|part| &part.near).any(|near| near.lower > enough) {
+            return Ok(None);
+        }
+        parts.into_iter().flatten().for_each(|part| open.add(part, enough));
+    }
+    let most = open.most() + rounding;
+    Ok((most <= limit).then_some(most))
 }
 
 fn not_finite() -> Error {

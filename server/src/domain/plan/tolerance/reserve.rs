@@ -60,7 +60,8 @@ mod tests {
             error_at: ErrorAt::Surface,
             quality: Quality::Normal,
             max_triangles: 1000,
-            reserve: None,
+            spans_base: false,
+        reserve: None,
         }
     }
 
