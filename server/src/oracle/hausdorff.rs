@@ -18,7 +18,10 @@ use self::{
     open::Open,
     piece::{Piece, covering_radius, farthest_from, leaves, longest},
 };
-use super::sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle};
+use super::{
+    overlay::{Overlay, Seen},
+    sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle},
+};
 use crate::domain::{
     Error, Result,
     cancel::{Cancel, Progress},
@@ -48,7 +51,9 @@ pub struct Directed {
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
 /// How far the bounds of one distance may be apart where only a limit is asked about, as a share of it.
-const WIDTH_WITHIN: f64 = 1.0 / 16.0;
+const WIDTH_WITHIN: f64 = 0.25;
+/// Triangles that one thread asks about one after the other.
+const LOT: usize = 256;
 /// Rounding of one distance, as a share of the largest number in it.
 const ROUNDING: f64 = 1e-14;
 /// Pieces deeper than this are cut in halves, so that they shrink surely.
@@ -97,40 +102,26 @@ pub fn directed(
     Ok(Some(Directed { lo, hi, at: best.at, cuts }))
 }
 
-/// An upper bound of the largest distance from A to B, where that is found to be at most `limit`; none where it is more,
-/// or still open after `max_cuts`. Both are meshes. Much sooner found than [`directed`]'s interval: nothing is cut that is
-/// near enough.
-pub fn within(a: &Sheet<'_>, b: &Sheet<'_>, limit: f64, max_cuts: u64, cancel: &Cancel) -> Result<Option<f64>> {
-    if a.triangles.is_empty() || b.triangles.is_empty() {
-        return Ok(None);
-    }
-    let rounding = ROUNDING * a.magnitude().max(b.magnitude());
-    let enough = limit - rounding;
-    let search = Search { a, b, width: limit * WIDTH_WITHIN, cancel };
-    let vertices = search.vertices()?;
-    if vertices.iter().any(|near| near.lower > enough) {
-        return Ok(None);
-    }
-    let mut open = Open::default();
+/// Which triangles of A are not shown to be at most `limit` from B, and how far the others are at most. Both are meshes.
+/// Much sooner found than [`directed`]'s interval: what B covers is not cut, nor what is near enough. `max_cuts` are for
+/// each triangle that is cut.
+pub fn within(
+    a: &Sheet<'_>,
+    b: &Overlay<'_>,
+    limit: f64,
+    max_cuts: u64,
+    cancel: &Cancel,
+) -> Result<(f64, Vec<u32>)> {
     let all: Vec<u32> = (0..a.triangles.len() as u32).collect();
-    let whole: Vec<Piece> = all.par_iter().map(|&t| search.whole(t, &vertices, enough)).collect::<Result<_>>()?;
-    whole.into_iter().for_each(|piece| open.add(piece, enough));
-    let mut cuts = 0;
-    while cuts < max_cuts {
-        let batch = open.take(BATCH, enough);
-        if batch.is_empty() {
-            break;
-        }
-        cuts += batch.len() as u64;
-        let parts: Vec<[Piece; 2]> =
-            batch.par_iter().map(|piece| search.cut(piece, enough - search.width, search.width)).collect::<Result<_>>()?;
-        if parts.iter().flatten().flat_map(|part| &part.near).any(|near| near.lower > enough) {
-            return Ok(None);
-        }
-        parts.into_iter().flatten().for_each(|part| open.add(part, enough));
+    if b.sheet().triangles.is_empty() {
+        return Ok((0.0, all));
     }
-    let most = open.most() + rounding;
-    Ok((most <= limit).then_some(most))
+    let rounding = ROUNDING * a.magnitude().max(b.sheet().magnitude());
+    let search = Search { a, b: b.sheet(), width: limit * WIDTH_WITHIN, cancel };
+    let of_lot = |lot: &[u32]| search.lot_within(lot, b, limit - rounding, max_cuts);
+    let lots: Vec<(f64, Vec<u32>)> = all.par_chunks(LOT).map(of_lot).collect::<Result<_>>()?;
+    let most = lots.iter().fold(0.0, |most: f64, lot| most.max(lot.0)) + rounding;
+    Ok((most, lots.into_iter().flat_map(|lot| lot.1).collect()))
 }
 
 fn not_finite() -> Error {
@@ -163,6 +154,48 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
+    /// As [`within`], of listed triangles of A.
+    fn lot_within(&self, lot: &[u32], b: &Overlay<'_>, enough: f64, max_cuts: u64) -> Result<(f64, Vec<u32>)> {
+        let (mut most, mut far, mut hint, mut seen) = (0.0, Vec::new(), None, Seen::default());
+        for &triangle in lot {
+            self.cancel.check()?;
+            let corners = self.a.corners(triangle);
+            let near = self.near(corners.into_iter().sum::<DVec3>() / 3.0, hint, enough - self.width)?;
+            hint = Some(near.triangle);
+            let covered = b.height(corners, near.triangle, &mut seen).filter(|height| *height <= enough);
+            let bound = match covered {
+                None if near.lower <= enough => self.cut_within(triangle, enough, max_cuts)?,
+                covered => covered,
+            };
+            match bound {
+                Some(bound) => most = bound.max(most),
+                None => far.push(triangle),
+            }
+        }
+        Ok((most, far))
+    }
+
+    /// A bound of one triangle of A, at most `enough`, by cutting it.
+    fn cut_within(&self, triangle: u32, enough: f64, max_cuts: u64) -> Result<Option<f64>> {
+        let is_far = |near: &Near| near.lower > enough;
+        let [p, q, r] = self.a.corners(triangle).map(|corner| self.near(corner, None, enough - self.width));
+        let near = [p?, q?, r?];
+        if near.iter().any(is_far) {
+            return Ok(None);
+        }
+        let mut open = Open::default();
+        open.add(self.whole_of(triangle, near, enough), enough);
+        for _ in 0..max_cuts {
+            let Some(piece) = open.take(1, enough).pop() else { return Ok(Some(open.most())) };
+            let parts = self.cut(&piece, enough - self.width, self.width)?;
+            if parts.iter().flat_map(|part| &part.near).any(is_far) {
+                return Ok(None);
+            }
+            parts.into_iter().for_each(|part| open.add(part, enough));
+        }
+        Ok(None)
+    }
+
     fn vertices(&self) -> Result<Vec<Near>> {
         let of_chunk = |places: &[DVec3]| -> Result<Vec<Near>> {
             let mut hint = None;
@@ -216,9 +249,13 @@ impl Search<'_> {
     fn whole(&self, triangle: u32, vertices: &[Near], enough: f64) -> Result<Piece> {
         self.cancel.check()?;
         let near = self.a.triangles[triangle as usize].map(|v| vertices[v as usize]);
+        Ok(self.whole_of(triangle, near, enough))
+    }
+
+    fn whole_of(&self, triangle: u32, near: [Near; 3], enough: f64) -> Piece {
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
         let places = self.a.corners(triangle);
-        Ok(self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough))
+        self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough)
     }
 
     /// The cheap bounds first; what they show to be near enough needs no better one.

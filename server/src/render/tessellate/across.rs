@@ -7,15 +7,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `regions.rs` | the regions that are simplified one by one, and then together |
-//! | `patch.rs` | one region as meshoptimizer takes it |
-//! | `verdict.rs` | what of its proposals is refused |
-//! | `merge.rs` | regions joined level by level |
+//! | `search.rs` | proposals until none of their faults is left |
+//! | `patch.rs` | the mesh as meshoptimizer takes it |
+//! | `verdict.rs` | what is wrong with a proposal |
 //! | `spanning.rs` | the surface with triangles that span several base triangles |
 
-mod merge;
 mod patch;
-mod regions;
+mod search;
 mod spanning;
 mod verdict;
 
@@ -25,7 +23,6 @@ use crate::{
     domain::{Result, fit::Fit, mesh::Mesh, plan::TolerancePlan, report::PassTime, surface::Surface},
     render::JobContext,
 };
-use merge::Merging;
 
 /// What refining and collapsing may take of a tolerance where the rest is for simplification: less of it would make
 /// them finer than it saves, and of what is left the triangles are in inverse proportion.
@@ -81,8 +78,8 @@ fn simplified(job: &JobContext<'_>, plan: &TolerancePlan, mesh: &Mesh, surface: 
     if tolerance_local < LEAST_SHARE * plan.tolerance_local {
         return Ok(None);
     }
-    let simpler = Merging::new(job, mesh, surface, tolerance_local).run()?;
-    let bound_local = fit.bound_local + simpler.error;
+    let Some(simpler) = search::fewest(job, mesh, surface, tolerance_local)? else { return Ok(None) };
+    let bound_local = fit.bound_local + simpler.error_local;
     let fit = Fit { bound_local, tolerance_local: plan.tolerance_local, budget_reached: false, ..fit };
     Ok(Some(Surface { fit: Some(fit), ..spanning::surface(mesh, surface, simpler.triangles) }))
 }

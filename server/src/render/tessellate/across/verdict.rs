@@ -1,66 +1,144 @@
-//! What of a proposal is refused: what opens or joins anything, what turns triangles over or leaves them without area,
-//! and what is not shown to be near enough.
+//! What is wrong with a proposal: what opens or joins anything, what turns triangles over or leaves them without area,
+//! and what is not shown to be near enough. Each fault names places of the mesh that the next proposal must keep.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::patch::place;
 use crate::{
-    domain::{Result, cancel::Cancel, surface::Surface},
-    oracle::{hausdorff, sheet::Sheet},
+    domain::{Result, cancel::Cancel, mesh::Csr, surface::Surface},
+    oracle::{hausdorff, overlay::Overlay, sheet::Sheet},
 };
 
-/// Cuts for each triangle before the search for a bound is given up.
-const CUTS: u64 = 64;
-/// Height of a triangle over its longest side, as a share of it, below which f32 places tell nothing of its normal.
+/// Cuts for each triangle that folds lie over before the search for its bound is given up.
+const CUTS: u64 = 256;
+/// Twice the area of a triangle, as a share of its longest side squared, below which f32 places tell nothing of its
+/// normal.
 const THIN: f64 = 1e-5;
 
-/// The part of a mesh that proposals are to stand for.
+/// The mesh that proposals are to stand for.
 pub(super) struct Reference<'a> {
     surface: &'a Surface,
     /// Of every fine vertex.
     places: &'a [u32],
-    sheet: Sheet<'static>,
+    sheet: &'a PlacedSheet,
+    overlay: Overlay<'a>,
     edges: Vec<Edge>,
     bad: usize,
+    /// Triangles around each place of the sheet.
+    stars: Csr,
     tolerance_local: f64,
+}
+
+/// Triangles between places, each place once.
+pub(super) struct PlacedSheet {
+    sheet: Sheet<'static>,
+    /// The place of each vertex of the sheet, rising.
+    places: Vec<u32>,
+}
+
+pub(super) enum Verdict {
+    /// The proposal is no farther than this from what it stands for, both ways, mesh-local units.
+    Kept(f64),
+    /// Places that another proposal shall keep.
+    Refused(Vec<u32>),
 }
 
 /// An edge that is not one of two triangles that run along it both ways: its places, the difference of the two ways,
 /// and all its triangles.
 type Edge = ([u32; 2], i32, u32);
 
+impl PlacedSheet {
+    pub(super) fn new(surface: &Surface, places: &[u32], triangles: &[[u32; 3]]) -> Self {
+        let mut used: Vec<(u32, u32)> = triangles.as_flattened().iter().map(|&v| (places[v as usize], v)).collect();
+        used.par_sort_unstable();
+        used.dedup_by_key(|(place, _)| *place);
+        let own = |v: u32| used.partition_point(|(place, _)| *place < places[v as usize]) as u32;
+        let triangles = triangles.par_iter().map(|t| t.map(own)).collect();
+        let sheet = Sheet::of_triangles(used.iter().map(|(_, v)| place(surface, *v)).collect(), triangles);
+        Self { sheet, places: used.into_iter().map(|(place, _)| place).collect() }
+    }
+}
+
 impl<'a> Reference<'a> {
-    pub(super) fn new(surface: &'a Surface, places: &'a [u32], triangles: &[[u32; 3]], tolerance_local: f64) -> Self {
+    pub(super) fn new(surface: &'a Surface, places: &'a [u32], sheet: &'a PlacedSheet, tolerance_local: f64) -> Self {
+        let corners: Vec<(u32, u32)> =
+            sheet.sheet.triangles.iter().zip(0..).flat_map(|(t, number)| t.map(|v| (v, number))).collect();
         Self {
             surface,
             places,
-            sheet: sheet(surface, places, triangles),
-            edges: special_edges(places, triangles),
-            bad: bad(surface, triangles),
+            overlay: Overlay::new(&sheet.sheet),
+            sheet,
+            edges: special_edges(places, &surface.triangles),
+            bad: bad(surface, &surface.triangles).len(),
+            stars: Csr::from_pairs(sheet.places.len(), &corners),
             tolerance_local,
         }
     }
 
-    /// How far the proposal is at most from what it stands for, both ways; none where it is refused.
-    pub(super) fn distance(&self, proposal: &[[u32; 3]], cancel: &Cancel) -> Result<Option<f64>> {
-        if bad(self.surface, proposal) > self.bad || special_edges(self.places, proposal) != self.edges {
-            return Ok(None);
+    /// The cheap questions first: the others are asked of what passes them.
+    pub(super) fn verdict(&self, proposal: &[[u32; 3]], cancel: &Cancel) -> Result<Verdict> {
+        let mut faults = self.edge_faults(proposal);
+        let bad = bad(self.surface, proposal);
+        if bad.len() > self.bad {
+            let corners = bad.iter().flatten().map(|v| self.places[*v as usize]);
+            faults.extend(corners.flat_map(|place| self.around(place)));
         }
-        let sheet = sheet(self.surface, self.places, proposal);
-        let cuts = CUTS * (self.sheet.triangles.len() + sheet.triangles.len()) as u64;
-        let within = |a, b| hausdorff::within(a, b, self.tolerance_local, cuts, cancel);
-        let Some(there) = within(&self.sheet, &sheet)? else { return Ok(None) };
-        Ok(within(&sheet, &self.sheet)?.map(|back| back.max(there)))
+        if !faults.is_empty() {
+            return Ok(Verdict::Refused(faults));
+        }
+        let sheet = PlacedSheet::new(self.surface, self.places, proposal);
+        let overlay = Overlay::new(&sheet.sheet);
+        let (there, far) = hausdorff::within(&self.sheet.sheet, &overlay, self.tolerance_local, CUTS, cancel)?;
+        if !far.is_empty() {
+            return Ok(Verdict::Refused(self.farthest(&far, &sheet.sheet)));
+        }
+        let (back, far) = hausdorff::within(&sheet.sheet, &self.overlay, self.tolerance_local, CUTS, cancel)?;
+        if far.is_empty() {
+            return Ok(Verdict::Kept(there.max(back)));
+        }
+        Ok(Verdict::Refused(far.iter().flat_map(|t| self.under(sheet.sheet.corners(*t))).collect()))
     }
-}
 
-fn sheet(surface: &Surface, places: &[u32], triangles: &[[u32; 3]]) -> Sheet<'static> {
-    let mut used: Vec<(u32, u32)> = triangles.as_flattened().iter().map(|&v| (places[v as usize], v)).collect();
-    used.sort_unstable();
-    used.dedup_by_key(|(place, _)| *place);
-    let own = |v: u32| used.partition_point(|(place, _)| *place < places[v as usize]) as u32;
-    let triangles = triangles.iter().map(|t| t.map(own)).collect();
-    Sheet::of_triangles(used.iter().map(|(_, v)| place(surface, *v)).collect(), triangles)
+    /// All places around edges that have other triangles than they had.
+    fn edge_faults(&self, proposal: &[[u32; 3]]) -> Vec<u32> {
+        let edges = special_edges(self.places, proposal);
+        let new = edges.iter().filter(|edge| self.edges.binary_search(edge).is_err());
+        let lost = self.edges.iter().filter(|edge| edges.binary_search(edge).is_err());
+        new.chain(lost).flat_map(|edge| edge.0).flat_map(|place| self.around(place)).collect()
+    }
+
+    /// The places that share a triangle with a place.
+    fn around(&self, place: u32) -> impl Iterator<Item = u32> {
+        let own = self.sheet.places.binary_search(&place).ok();
+        let triangles = own.map_or(&[][..], |own| self.stars.list(own));
+        triangles.iter().flat_map(|t| self.sheet.sheet.triangles[*t as usize]).map(|v| self.sheet.places[v as usize])
+    }
+
+    /// Of each of these triangles the corner that is farthest from the proposal, where no corner around it is farther:
+    /// to keep the worst place is often enough.
+    fn farthest(&self, far: &[u32], proposal: &Sheet<'_>) -> Vec<u32> {
+        let slack = 0.125 * self.tolerance_local;
+        let distance = |v: u32| proposal.near_enough(self.sheet.sheet.positions[v as usize], None, slack).map(|n| n.upper);
+        let mut corners: Vec<u32> = far.iter().flat_map(|t| self.sheet.sheet.triangles[*t as usize]).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let distances: Vec<f64> = corners.par_iter().map(|v| distance(*v).unwrap_or(0.0)).collect();
+        let of = |v: u32| corners.binary_search(&v).map_or(0.0, |at| distances[at]);
+        let is_top = |v: &u32| {
+            let around = self.stars.list(*v as usize).iter().flat_map(|t| self.sheet.sheet.triangles[*t as usize]);
+            around.into_iter().all(|other| (of(other), other) <= (of(*v), *v))
+        };
+        corners.iter().copied().filter(is_top).map(|v| self.sheet.places[v as usize]).collect()
+    }
+
+    /// The places of the mesh nearest to the middle of a triangle of a proposal.
+    fn under(&self, corners: [DVec3; 3]) -> Vec<u32> {
+        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
+        let near = self.sheet.sheet.nearest(middle, None, 0.0);
+        let ids = near.map(|near| self.sheet.sheet.triangles[near.triangle as usize]);
+        ids.into_iter().flatten().map(|v| self.sheet.places[v as usize]).collect()
+    }
 }
 
 /// Sorted by places: borders, and edges where more than two triangles meet or two run the same way.
@@ -70,16 +148,14 @@ pub(super) fn special_edges(places: &[u32], triangles: &[[u32; 3]]) -> Vec<Edge>
         let [a, b, c] = t.map(|v| places[v as usize]);
         [(a, b), (b, c), (c, a)].map(side)
     };
-    let mut all: Vec<([u32; 2], i32)> = triangles.iter().flat_map(sides).collect();
-    all.sort_unstable();
-    let edge = |group: &[([u32; 2], i32)]| {
-        (group[0].0, group.iter().map(|side| side.1).sum(), group.len() as u32)
-    };
+    let mut all: Vec<([u32; 2], i32)> = triangles.par_iter().flat_map_iter(sides).collect();
+    all.par_sort_unstable();
+    let edge = |group: &[([u32; 2], i32)]| (group[0].0, group.iter().map(|side| side.1).sum(), group.len() as u32);
     all.chunk_by(|a, b| a.0 == b.0).map(edge).filter(|(_, ways, triangles)| *ways != 0 || *triangles > 2).collect()
 }
 
 /// Triangles that face against the normals of their corners, and those that are too thin to face anywhere.
-fn bad(surface: &Surface, triangles: &[[u32; 3]]) -> usize {
+fn bad(surface: &Surface, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let is_bad = |t: &&[u32; 3]| {
         let [a, b, c] = t.map(|v| place(surface, v));
         let normal: DVec3 = t.iter().map(|v| DVec3::from_array(surface.normals[*v as usize].map(f64::from))).sum();
@@ -87,5 +163,5 @@ fn bad(surface: &Surface, triangles: &[[u32; 3]]) -> usize {
         let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         double_area.dot(normal) <= 0.0 || double_area.length() <= THIN * longest
     };
-    triangles.iter().filter(is_bad).count()
+    triangles.par_iter().filter(is_bad).copied().collect()
 }
