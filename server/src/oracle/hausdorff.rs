@@ -19,7 +19,7 @@ use self::{
     piece::{Piece, covering_radius, farthest_from, leaves, longest},
 };
 use super::{
-    overlay::{Overlay, Seen},
+    overlay::{Few, Overlay, Seen},
     sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle},
 };
 use crate::domain::{
@@ -102,26 +102,35 @@ pub fn directed(
     Ok(Some(Directed { lo, hi, at: best.at, cuts }))
 }
 
-/// Which triangles of A are not shown to be at most `limit` from B, and how far the others are at most. Both are meshes.
-/// Much sooner found than [`directed`]'s interval: what B covers is not cut, nor what is near enough. `max_cuts` are for
-/// each triangle that is cut.
+/// What is found of one triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// No place of it is farther; infinite where that is not shown to be at most the limit.
+    pub bound: f64,
+    /// The triangles of the other mesh that alone show it, where they are few.
+    pub by: Option<Few>,
+}
+
+/// For each triangle of A, whether it is at most `limit` from B. Both are meshes. Much sooner found than [`directed`]'s
+/// interval: what B covers is not cut, nor what is near enough. `max_cuts` are for each triangle that is cut; those of
+/// which `known` tells are not asked about.
 pub fn within(
     a: &Sheet<'_>,
     b: &Overlay<'_>,
     limit: f64,
     max_cuts: u64,
+    known: impl Fn(u32) -> Option<Shown> + Sync,
     cancel: &Cancel,
-) -> Result<(f64, Vec<u32>)> {
+) -> Result<Vec<Shown>> {
     let all: Vec<u32> = (0..a.triangles.len() as u32).collect();
     if b.sheet().triangles.is_empty() {
-        return Ok((0.0, all));
+        return Ok(vec![Shown { bound: f64::INFINITY, by: None }; all.len()]);
     }
     let rounding = ROUNDING * a.magnitude().max(b.sheet().magnitude());
     let search = Search { a, b: b.sheet(), width: limit * WIDTH_WITHIN, cancel };
-    let of_lot = |lot: &[u32]| search.lot_within(lot, b, limit - rounding, max_cuts);
-    let lots: Vec<(f64, Vec<u32>)> = all.par_chunks(LOT).map(of_lot).collect::<Result<_>>()?;
-    let most = lots.iter().fold(0.0, |most: f64, lot| most.max(lot.0)) + rounding;
-    Ok((most, lots.into_iter().flat_map(|lot| lot.1).collect()))
+    let of_lot = |lot: &[u32]| search.lot_within(lot, b, limit, rounding, max_cuts, &known);
+    let lots: Vec<Vec<Shown>> = all.par_chunks(LOT).map(of_lot).collect::<Result<_>>()?;
+    Ok(lots.concat())
 }
 
 fn not_finite() -> Error {
@@ -155,24 +164,31 @@ struct Search<'s> {
 
 impl Search<'_> {
     /// As [`within`], of listed triangles of A.
-    fn lot_within(&self, lot: &[u32], b: &Overlay<'_>, enough: f64, max_cuts: u64) -> Result<(f64, Vec<u32>)> {
-        let (mut most, mut far, mut hint, mut seen) = (0.0, Vec::new(), None, Seen::default());
-        for &triangle in lot {
+    fn lot_within(
+        &self,
+        lot: &[u32],
+        b: &Overlay<'_>,
+        limit: f64,
+        rounding: f64,
+        max_cuts: u64,
+        known: &impl Fn(u32) -> Option<Shown>,
+    ) -> Result<Vec<Shown>> {
+        let (enough, mut hint, mut seen) = (limit - rounding, None, Seen::default());
+        let mut one = |&triangle: &u32| {
             self.cancel.check()?;
+            if let Some(shown) = known(triangle) {
+                return Ok(shown);
+            }
             let corners = self.a.corners(triangle);
             let near = self.near(corners.into_iter().sum::<DVec3>() / 3.0, hint, enough - self.width)?;
             hint = Some(near.triangle);
-            let covered = b.height(corners, near.triangle, &mut seen).filter(|height| *height <= enough);
-            let bound = match covered {
-                None if near.lower <= enough => self.cut_within(triangle, enough, max_cuts)?,
-                covered => covered,
-            };
-            match bound {
-                Some(bound) => most = bound.max(most),
-                None => far.push(triangle),
+            if let Some(bound) = b.height(corners, near.triangle, &mut seen).filter(|height| *height <= enough) {
+                return Ok(Shown { bound: bound + rounding, by: seen.few() });
             }
-        }
-        Ok((most, far))
+            let bound = if near.lower <= enough { self.cut_within(triangle, enough, max_cuts)? } else { None };
+            Ok(Shown { bound: bound.map_or(f64::INFINITY, |bound| bound + rounding), by: None })
+        };
+        lot.iter().map(&mut one).collect()
     }
 
     /// A bound of one triangle of A, at most `enough`, by cutting it.

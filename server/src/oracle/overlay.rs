@@ -71,6 +71,7 @@ impl<'s> Overlay<'s> {
                 return None;
             }
             is_covered = true;
+            seen.over.push(t);
             highest = part.iter().fold(highest, |most, p| most.max(p[3].abs()));
             for k in 0..3 {
                 let side = [raised[k], raised[(k + 1) % 3]];
@@ -96,12 +97,18 @@ pub struct Seen {
     all: Vec<u32>,
     known: HashSet<u32>,
     done: usize,
+    /// Those that are over the triangle.
+    over: Vec<u32>,
 }
+
+/// Triangles of the mesh, the last repeated.
+pub type Few = [u32; 4];
 
 impl Seen {
     fn begin(&mut self, start: u32) {
         self.all.clear();
         self.known.clear();
+        self.over.clear();
         self.done = 0;
         self.add(start);
     }
@@ -109,6 +116,13 @@ impl Seen {
     fn next(&mut self) -> Option<u32> {
         self.done += 1;
         self.all.get(self.done - 1).copied()
+    }
+
+    /// The triangles of the mesh over the last triangle that was covered.
+    #[must_use]
+    pub fn few(&self) -> Option<Few> {
+        let last = *self.over.last()?;
+        (self.over.len() <= 4).then(|| std::array::from_fn(|k| self.over.get(k).copied().unwrap_or(last)))
     }
 
     fn add(&mut self, triangle: u32) {

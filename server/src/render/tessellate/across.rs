@@ -56,11 +56,10 @@ pub fn fewest(
         }
     };
     let start = Instant::now();
-    let simpler = simplified(job, plan, mesh, finer.as_ref().unwrap_or(&surface))?;
+    let simpler = simplified(job, plan, mesh, finer.as_ref().unwrap_or(&surface), surface.triangles.len())?;
     let ms = start.elapsed().as_secs_f64() * 1e3;
     times.push(PassTime { name: "simplify_across".into(), ms, bytes: 0 });
-    let fewer = simpler.filter(|simpler| simpler.triangles.len() < surface.triangles.len());
-    Ok((fewer.unwrap_or(surface), times))
+    Ok((simpler.unwrap_or(surface), times))
 }
 
 fn is_dense(plan: &TolerancePlan, mesh: &Mesh, surface: &Surface) -> bool {
@@ -71,14 +70,20 @@ fn is_dense(plan: &TolerancePlan, mesh: &Mesh, surface: &Surface) -> bool {
         && surface.fit.is_some_and(|fit| !fit.budget_reached)
 }
 
-/// None where the surface leaves too little of the tolerance, or nothing goes.
-fn simplified(job: &JobContext<'_>, plan: &TolerancePlan, mesh: &Mesh, surface: &Surface) -> Result<Option<Surface>> {
+/// With fewer than `most` triangles; none where the surface leaves too little of the tolerance, or that cannot be.
+fn simplified(
+    job: &JobContext<'_>,
+    plan: &TolerancePlan,
+    mesh: &Mesh,
+    surface: &Surface,
+    most: usize,
+) -> Result<Option<Surface>> {
     let Some(fit) = surface.fit else { return Ok(None) };
     let tolerance_local = plan.tolerance_local - fit.bound_local;
     if tolerance_local < LEAST_SHARE * plan.tolerance_local {
         return Ok(None);
     }
-    let Some(simpler) = search::fewest(job, mesh, surface, tolerance_local)? else { return Ok(None) };
+    let Some(simpler) = search::fewest(job, mesh, surface, tolerance_local, most)? else { return Ok(None) };
     let bound_local = fit.bound_local + simpler.error_local;
     let fit = Fit { bound_local, tolerance_local: plan.tolerance_local, budget_reached: false, ..fit };
     Ok(Some(Surface { fit: Some(fit), ..spanning::surface(mesh, surface, simpler.triangles) }))

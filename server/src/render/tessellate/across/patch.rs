@@ -16,8 +16,7 @@ const COLOR: f64 = 4.0;
 const COLORS: usize = 3;
 
 /// A surface's triangles, and what holds its vertices in place beside positions.
-pub(super) struct Patch<'a> {
-    surface: &'a Surface,
+pub(super) struct Patch {
     /// Fine vertices, by place.
     vertices: Vec<u32>,
     /// Of `vertices`.
@@ -61,8 +60,8 @@ pub(super) fn place(surface: &Surface, vertex: u32) -> DVec3 {
     DVec3::from_array(surface.positions[vertex as usize].map(f64::from))
 }
 
-impl<'a> Patch<'a> {
-    pub(super) fn new(mesh: &Mesh, surface: &'a Surface, tolerance_local: f64) -> Self {
+impl Patch {
+    pub(super) fn new(mesh: &Mesh, surface: &Surface, tolerance_local: f64) -> Self {
         let position = |v: u32| surface.positions[v as usize];
         let by_place = |a: &u32, b: &u32| {
             let (p, q) = (position(*a), position(*b));
@@ -85,7 +84,6 @@ impl<'a> Patch<'a> {
         let values = |v: u32| streams.iter().flat_map(move |&(all, size, counted, _)| &all[v as usize * size..][..counted]);
         let weight = |&(_, _, counted, worth): &Stream<'_>| std::iter::repeat_n((worth / extent) as f32, counted);
         Self {
-            surface,
             positions: at().map(|p| ((p - centre) / extent).as_vec3().to_array()).collect(),
             values: vertices.iter().flat_map(|v| values(*v)).copied().collect(),
             weights: streams.iter().flat_map(weight).collect(),

@@ -2,7 +2,7 @@
 
 use super::{
     patch::Patch,
-    verdict::{PlacedSheet, Reference, Verdict, special_edges},
+    verdict::{Known, PlacedSheet, Reference, Verdict, special_edges},
 };
 use crate::{
     domain::{Result, mesh::Mesh, surface::Surface},
@@ -10,11 +10,11 @@ use crate::{
     render::JobContext,
 };
 
-/// Errors that meshoptimizer is asked for, as shares of the tolerance: its errors are means, and those of the largest
-/// leave many places to mend.
-const SHARES: [f64; 3] = [0.5, 0.8, 0.3];
+/// Errors that meshoptimizer is asked for, as shares of the tolerance, until one leads to an end: its errors are means, so
+/// that of the first some places are too far, and kept in the next proposal.
+const SHARES: [f64; 3] = [0.8, 0.5, 0.3];
 /// Proposals for one error.
-const ROUNDS: u32 = 12;
+const ROUNDS: u32 = 48;
 
 /// What stands for a mesh.
 pub(super) struct Simpler {
@@ -24,47 +24,87 @@ pub(super) struct Simpler {
     pub(super) error_local: f64,
 }
 
-/// None where no proposal has fewer triangles than the surface, and no fault.
+/// None where no proposal has fewer than `most` triangles and no fault.
 pub(super) fn fewest(
     job: &JobContext<'_>,
     mesh: &Mesh,
     surface: &Surface,
     tolerance_local: f64,
+    most: usize,
 ) -> Result<Option<Simpler>> {
     let (places, of_places) = topology::places(&surface.positions);
-    let mut fixed = vec![false; of_places.len()];
-    for (ends, ..) in special_edges(&places, &surface.triangles) {
-        ends.into_iter().for_each(|place| fixed[place as usize] = true);
-    }
     let sheet = PlacedSheet::new(surface, &places, &surface.triangles);
-    let reference = Reference::new(surface, &places, &sheet, tolerance_local);
-    let patch = Patch::new(mesh, surface, tolerance_local);
-    let mut best: Option<Simpler> = None;
+    let search = Search {
+        job,
+        places: &places,
+        fixed: fixed(surface, &places, of_places.len()),
+        reference: Reference::new(surface, &places, &sheet, tolerance_local),
+        patch: Patch::new(mesh, surface, tolerance_local),
+        tolerance_local,
+        most,
+    };
     for share in SHARES {
-        let mut kept = fixed.clone();
-        for round in 0..ROUNDS {
-            job.cancel.check()?;
-            job.progress.pass("simplify_across", u64::from(round), u64::from(ROUNDS));
-            let t0 = std::time::Instant::now();
-            let triangles = patch.proposal(share * tolerance_local, |v| kept[places[v as usize] as usize]);
-            let t1 = t0.elapsed().as_millis();
-            let fewest = best.as_ref().map_or(surface.triangles.len(), |best| best.triangles.len());
-            if triangles.len() >= fewest {
-                eprintln!("DBG share {share} round {round} {} no better", triangles.len());
-                break;
-            }
-            match reference.verdict(&triangles, job.cancel)? {
-                Verdict::Kept(error_local) => {
-                    eprintln!("DBG share {share} round {round} -> {} KEPT propose {t1} all {}", triangles.len(), t0.elapsed().as_millis());
-                    best = Some(Simpler { triangles, error_local });
-                    break;
-                }
-                Verdict::Refused(faults) => {
-                    eprintln!("DBG share {share} round {round} -> {} faults {} propose {t1} all {}", triangles.len(), faults.len(), t0.elapsed().as_millis());
-                    faults.into_iter().for_each(|place| kept[place as usize] = true)
-                }
-            }
+        if let Some(simpler) = search.within(share)? {
+            return Ok(Some(simpler));
         }
     }
-    Ok(best)
+    Ok(None)
+}
+
+/// Places where sheets meet, end or turn over: a simplifier might join or part them.
+fn fixed(surface: &Surface, places: &[u32], count: usize) -> Vec<bool> {
+    let mut fixed = vec![false; count];
+    let ends = special_edges(places, &surface.triangles).into_iter().flat_map(|(ends, ..)| ends);
+    ends.for_each(|place| fixed[place as usize] = true);
+    fixed
+}
+
+struct Search<'a> {
+    job: &'a JobContext<'a>,
+    /// Of every fine vertex.
+    places: &'a [u32],
+    fixed: Vec<bool>,
+    reference: Reference<'a>,
+    patch: Patch,
+    tolerance_local: f64,
+    most: usize,
+}
+
+impl Search<'_> {
+    /// Proposals for one error, until one has no fault: none where it takes too many triangles or rounds.
+    fn within(&self, share: f64) -> Result<Option<Simpler>> {
+        let (mut kept, mut known) = (self.fixed.clone(), Known::default());
+        for round in 0..ROUNDS {
+            self.job.cancel.check()?;
+            self.job.progress.pass("simplify_across", u64::from(round), u64::from(ROUNDS));
+            let is_kept = |vertex: u32| kept[self.places[vertex as usize] as usize];
+            let triangles = self.patch.proposal(share * self.tolerance_local, is_kept);
+            if triangles.len() >= self.most {
+                return Ok(None);
+            }
+            match self.reference.verdict(&triangles, &mut known, self.job.cancel)? {
+                Verdict::Kept(error_local) => return Ok(Some(Simpler { triangles, error_local })),
+                Verdict::Refused(faults) if !self.keep(&mut kept, faults) => return Ok(None),
+                Verdict::Refused(_) => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// Keeps the places of faults, or, where they were kept before, those around them. Whether there were any.
+    fn keep(&self, kept: &mut [bool], mut faults: Vec<u32>) -> bool {
+        while faults.iter().all(|place| kept[*place as usize]) {
+            faults.sort_unstable();
+            faults.dedup();
+            let before = faults.len();
+            faults.extend(faults.clone().into_iter().flat_map(|place| self.reference.around(place)));
+            faults.sort_unstable();
+            faults.dedup();
+            if faults.len() == before {
+                return false;
+            }
+        }
+        faults.into_iter().for_each(|place| kept[place as usize] = true);
+        true
+    }
 }

@@ -1,17 +1,19 @@
 //! What is wrong with a proposal: what opens or joins anything, what turns triangles over or leaves them without area,
 //! and what is not shown to be near enough. Each fault names places of the mesh that the next proposal must keep.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::patch::place;
+use super::patch::{from_least, place};
 use crate::{
     domain::{Result, cancel::Cancel, mesh::Csr, surface::Surface},
-    oracle::{hausdorff, overlay::Overlay, sheet::Sheet},
+    oracle::{hausdorff::{self, Shown}, overlay::Overlay, sheet::Sheet},
 };
 
 /// Cuts for each triangle that folds lie over before the search for its bound is given up.
-const CUTS: u64 = 256;
+const CUTS: u64 = 64;
 /// Twice the area of a triangle, as a share of its longest side squared, below which f32 places tell nothing of its
 /// normal.
 const THIN: f64 = 1e-5;
@@ -37,6 +39,14 @@ pub(super) struct PlacedSheet {
     places: Vec<u32>,
 }
 
+/// What was shown of earlier proposals. Triangles are named by their places, the least first.
+#[derive(Default)]
+pub(super) struct Known {
+    /// Of each triangle of the mesh: its bound, and the triangles of the proposal that show it.
+    there: Vec<Option<(f64, [[u32; 3]; 4])>>,
+    back: HashMap<[u32; 3], f64>,
+}
+
 pub(super) enum Verdict {
     /// The proposal is no farther than this from what it stands for, both ways, mesh-local units.
     Kept(f64),
@@ -60,6 +70,20 @@ impl PlacedSheet {
     }
 }
 
+impl PlacedSheet {
+    fn placed(&self, triangle: u32) -> [u32; 3] {
+        from_least(self.sheet.triangles[triangle as usize].map(|v| self.places[v as usize]))
+    }
+
+    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        (0..self.sheet.triangles.len() as u32).map(|t| self.placed(t))
+    }
+}
+
+fn far(shown: &[Shown]) -> Vec<u32> {
+    (0..).zip(shown).filter(|(_, shown)| shown.bound.is_infinite()).map(|(t, _)| t).collect()
+}
+
 impl<'a> Reference<'a> {
     pub(super) fn new(surface: &'a Surface, places: &'a [u32], sheet: &'a PlacedSheet, tolerance_local: f64) -> Self {
         let corners: Vec<(u32, u32)> =
@@ -77,27 +101,51 @@ impl<'a> Reference<'a> {
     }
 
     /// The cheap questions first: the others are asked of what passes them.
-    pub(super) fn verdict(&self, proposal: &[[u32; 3]], cancel: &Cancel) -> Result<Verdict> {
+    pub(super) fn verdict(&self, proposal: &[[u32; 3]], known: &mut Known, cancel: &Cancel) -> Result<Verdict> {
         let mut faults = self.edge_faults(proposal);
         let bad = bad(self.surface, proposal);
         if bad.len() > self.bad {
-            let corners = bad.iter().flatten().map(|v| self.places[*v as usize]);
-            faults.extend(corners.flat_map(|place| self.around(place)));
+            faults.extend(bad.iter().flat_map(|t| self.under(t.map(|v| place(self.surface, v)))));
         }
         if !faults.is_empty() {
             return Ok(Verdict::Refused(faults));
         }
         let sheet = PlacedSheet::new(self.surface, self.places, proposal);
-        let overlay = Overlay::new(&sheet.sheet);
-        let (there, far) = hausdorff::within(&self.sheet.sheet, &overlay, self.tolerance_local, CUTS, cancel)?;
+        let there = self.there(&sheet, known, cancel)?;
+        let far = far(&there);
         if !far.is_empty() {
             return Ok(Verdict::Refused(self.farthest(&far, &sheet.sheet)));
         }
-        let (back, far) = hausdorff::within(&sheet.sheet, &self.overlay, self.tolerance_local, CUTS, cancel)?;
+        let back = self.back(&sheet, known, cancel)?;
+        let far = self::far(&back);
         if far.is_empty() {
-            return Ok(Verdict::Kept(there.max(back)));
+            return Ok(Verdict::Kept(there.iter().chain(&back).fold(0.0, |most: f64, shown| most.max(shown.bound))));
         }
         Ok(Verdict::Refused(far.iter().flat_map(|t| self.under(sheet.sheet.corners(*t))).collect()))
+    }
+
+    /// From the mesh to a proposal. What showed it of a triangle before, and still is there, shows it.
+    fn there(&self, proposal: &PlacedSheet, known: &mut Known, cancel: &Cancel) -> Result<Vec<Shown>> {
+        let numbers: HashMap<[u32; 3], u32> = proposal.triangles().zip(0..).collect();
+        let still = |t: u32| {
+            let (bound, by) = known.there.get(t as usize)?.as_ref()?;
+            let [a, b, c, d] = by.map(|triangle| numbers.get(&triangle).copied());
+            Some(Shown { bound: *bound, by: Some([a?, b?, c?, d?]) })
+        };
+        let overlay = Overlay::new(&proposal.sheet);
+        let shown = hausdorff::within(&self.sheet.sheet, &overlay, self.tolerance_local, CUTS, still, cancel)?;
+        let by = |shown: &Shown| Some((shown.bound, shown.by?.map(|t| proposal.placed(t))));
+        known.there = shown.par_iter().map(by).collect();
+        Ok(shown)
+    }
+
+    /// From a proposal to the mesh, which does not change: what was shown of a triangle stays shown.
+    fn back(&self, proposal: &PlacedSheet, known: &mut Known, cancel: &Cancel) -> Result<Vec<Shown>> {
+        let still = |t: u32| known.back.get(&proposal.placed(t)).map(|bound| Shown { bound: *bound, by: None });
+        let shown = hausdorff::within(&proposal.sheet, &self.overlay, self.tolerance_local, CUTS, still, cancel)?;
+        let kept = proposal.triangles().zip(&shown).filter(|(_, shown)| shown.bound.is_finite());
+        known.back.extend(kept.map(|(triangle, shown)| (triangle, shown.bound)));
+        Ok(shown)
     }
 
     /// All places around edges that have other triangles than they had.
@@ -109,7 +157,7 @@ impl<'a> Reference<'a> {
     }
 
     /// The places that share a triangle with a place.
-    fn around(&self, place: u32) -> impl Iterator<Item = u32> {
+    pub(super) fn around(&self, place: u32) -> impl Iterator<Item = u32> {
         let own = self.sheet.places.binary_search(&place).ok();
         let triangles = own.map_or(&[][..], |own| self.stars.list(own));
         triangles.iter().flat_map(|t| self.sheet.sheet.triangles[*t as usize]).map(|v| self.sheet.places[v as usize])
