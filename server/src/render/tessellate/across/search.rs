@@ -84,8 +84,11 @@ impl Search<'_> {
             }
             match self.reference.verdict(&triangles, &mut known, self.job.cancel)? {
                 Verdict::Kept(error_local) => return Ok(Some(Simpler { triangles, error_local })),
-                Verdict::Refused(faults) if !self.keep(&mut kept, faults) => return Ok(None),
-                Verdict::Refused(_) => {}
+                Verdict::Refused(faults) => {
+                    if !self.keep(&mut kept, faults) {
+                        return Ok(None);
+                    }
+                }
             }
         }
         Ok(None)
