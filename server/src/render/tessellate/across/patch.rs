@@ -1,6 +1,8 @@
 //! A surface as meshoptimizer takes it: about its own centre, as large as 1, its vertices and triangles in an order
 //! that follows from places alone.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 use meshopt::{SimplifyOptions, simplify_with_attributes_and_locks_decoder};
 use rayon::prelude::*;
@@ -45,6 +47,16 @@ fn streams<'a>(mesh: &Mesh, surface: &'a Surface, tolerance_local: f64) -> Vec<S
     streams
 }
 
+/// The primitive of each fine vertex that a triangle has.
+fn primitives(mesh: &Mesh, surface: &Surface) -> Vec<u32> {
+    let mut primitives = vec![0; surface.positions.len()];
+    for (number, primitive) in (0..).zip(&mesh.primitives) {
+        let triangles = &surface.triangles[surface.layout.triangles_of_primitive(primitive)];
+        triangles.as_flattened().iter().for_each(|v| primitives[*v as usize] = number);
+    }
+    primitives
+}
+
 /// How long a difference of 1 in texture coordinates is over the whole surface; 0 where they cover nothing.
 fn length_per_uv(surface: &Surface, uvs: &[f32]) -> f64 {
     let uv = |v: u32| DVec3::new(f64::from(uvs[2 * v as usize]), f64::from(uvs[2 * v as usize + 1]), 0.0);
@@ -62,26 +74,32 @@ pub(super) fn place(surface: &Surface, vertex: u32) -> DVec3 {
 
 impl Patch {
     pub(super) fn new(mesh: &Mesh, surface: &Surface, tolerance_local: f64) -> Self {
-        let position = |v: u32| surface.positions[v as usize];
+        let streams = streams(mesh, surface, tolerance_local);
+        let primitives = primitives(mesh, surface);
+        let values =
+            |v: u32| streams.iter().flat_map(move |&(all, size, counted, _)| &all[v as usize * size..][..counted]);
         let by_place = |a: &u32, b: &u32| {
-            let (p, q) = (position(*a), position(*b));
-            let along = |k: usize| p[k].total_cmp(&q[k]);
-            along(0).then(along(1)).then(along(2)).then(a.cmp(b))
+            let of = |v: u32| surface.positions[v as usize].into_iter().chain(values(v).copied());
+            let values = of(*a).zip(of(*b)).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
+            values.unwrap_or(Ordering::Equal).then(primitives[*a as usize].cmp(&primitives[*b as usize]))
         };
-        let mut vertices: Vec<u32> = surface.triangles.as_flattened().to_vec();
-        vertices.par_sort_unstable();
-        vertices.dedup();
-        vertices.par_sort_unstable_by(by_place);
+        let mut all: Vec<u32> = surface.triangles.as_flattened().to_vec();
+        all.par_sort_unstable();
+        all.dedup();
+        all.par_sort_by(by_place);
+        // What differs in nothing that counts is one vertex: tangents may differ, and would hold all of them.
         let mut own = vec![0; surface.positions.len()];
-        vertices.iter().zip(0..).for_each(|(v, number)| own[*v as usize] = number);
+        let mut vertices: Vec<u32> = Vec::new();
+        for alike in all.chunk_by(|a, b| by_place(a, b).is_eq()) {
+            alike.iter().for_each(|v| own[*v as usize] = vertices.len() as u32);
+            vertices.push(alike[0]);
+        }
         let mut triangles: Vec<[u32; 3]> =
             surface.triangles.par_iter().map(|t| from_least(t.map(|v| own[v as usize]))).collect();
         triangles.par_sort_unstable();
         let at = || vertices.iter().map(|v| place(surface, *v));
         let (low, high) = (at().fold(DVec3::INFINITY, DVec3::min), at().fold(DVec3::NEG_INFINITY, DVec3::max));
         let (centre, extent) = (0.5 * (low + high), (high - low).max_element().max(f64::MIN_POSITIVE));
-        let streams = streams(mesh, surface, tolerance_local);
-        let values = |v: u32| streams.iter().flat_map(move |&(all, size, counted, _)| &all[v as usize * size..][..counted]);
         let weight = |&(_, _, counted, worth): &Stream<'_>| std::iter::repeat_n((worth / extent) as f32, counted);
         Self {
             positions: at().map(|p| ((p - centre) / extent).as_vec3().to_array()).collect(),

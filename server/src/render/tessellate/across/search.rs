@@ -14,7 +14,10 @@ use crate::{
 /// that of the first some places are too far, and kept in the next proposal.
 const SHARES: [f64; 3] = [0.8, 0.5, 0.3];
 /// Proposals for one error.
-const ROUNDS: u32 = 48;
+const ROUNDS: u32 = 40;
+/// Proposals until a ring more is kept around each fault: what is kept in one place changes what goes in others, and single
+/// faults would turn up without end.
+const PATIENCE: u32 = 10;
 
 /// What stands for a mesh.
 pub(super) struct Simpler {
@@ -85,7 +88,12 @@ impl Search<'_> {
             match self.reference.verdict(&triangles, &mut known, self.job.cancel)? {
                 Verdict::Kept(error_local) => return Ok(Some(Simpler { triangles, error_local })),
                 Verdict::Refused(faults) => {
-                    if !self.keep(&mut kept, faults) {
+                    eprintln!("DBG {share} {round} {} faults {}", triangles.len(), faults.len());
+                    if round >= PATIENCE {
+                        let corners = triangles.as_flattened().iter();
+                        corners.for_each(|v| kept[self.places[*v as usize] as usize] = true);
+                    }
+                    if !self.keep(&mut kept, faults, round / PATIENCE) {
                         return Ok(None);
                     }
                 }
@@ -94,20 +102,29 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Keeps the places of faults, or, where they were kept before, those around them. Whether there were any.
-    fn keep(&self, kept: &mut [bool], mut faults: Vec<u32>) -> bool {
+    /// Keeps the places of faults and those in so many `rings` around them, and in more where those were kept before.
+    /// Whether there were any to keep.
+    fn keep(&self, kept: &mut [bool], mut faults: Vec<u32>, rings: u32) -> bool {
+        for _ in 0..rings {
+            self.widen(&mut faults);
+        }
         while faults.iter().all(|place| kept[*place as usize]) {
             faults.sort_unstable();
             faults.dedup();
             let before = faults.len();
-            faults.extend(faults.clone().into_iter().flat_map(|place| self.reference.around(place)));
-            faults.sort_unstable();
-            faults.dedup();
-            if faults.len() == before {
+            if self.widen(&mut faults) == before {
                 return false;
             }
         }
         faults.into_iter().for_each(|place| kept[place as usize] = true);
         true
+    }
+
+    /// Adds the places around, and tells how many there are.
+    fn widen(&self, places: &mut Vec<u32>) -> usize {
+        places.extend(places.clone().into_iter().flat_map(|place| self.reference.around(place)));
+        places.sort_unstable();
+        places.dedup();
+        places.len()
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::patch::{from_least, place};
 use crate::{
     domain::{Result, cancel::Cancel, mesh::Csr, surface::Surface},
-    oracle::{hausdorff::{self, Shown}, overlay::Overlay, sheet::Sheet},
+    oracle::{hausdorff::{self, Shown}, overlay::Overlay, sheet::{Sheet, distance_to_triangle}},
 };
 
 /// Cuts for each triangle that folds lie over before the search for its bound is given up.
@@ -100,28 +100,21 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// The cheap questions first: the others are asked of what passes them.
     pub(super) fn verdict(&self, proposal: &[[u32; 3]], known: &mut Known, cancel: &Cancel) -> Result<Verdict> {
         let mut faults = self.edge_faults(proposal);
         let bad = bad(self.surface, proposal);
         if bad.len() > self.bad {
             faults.extend(bad.iter().flat_map(|t| self.under(t.map(|v| place(self.surface, v)))));
         }
+        let sheet = PlacedSheet::new(self.surface, self.places, proposal);
+        let there = self.there(&sheet, known, cancel)?;
+        faults.extend(self.farthest(&far(&there), &sheet.sheet));
+        let back = self.back(&sheet, known, cancel)?;
+        faults.extend(far(&back).iter().filter_map(|t| self.farthest_under(sheet.sheet.corners(*t))));
         if !faults.is_empty() {
             return Ok(Verdict::Refused(faults));
         }
-        let sheet = PlacedSheet::new(self.surface, self.places, proposal);
-        let there = self.there(&sheet, known, cancel)?;
-        let far = far(&there);
-        if !far.is_empty() {
-            return Ok(Verdict::Refused(self.farthest(&far, &sheet.sheet)));
-        }
-        let back = self.back(&sheet, known, cancel)?;
-        let far = self::far(&back);
-        if far.is_empty() {
-            return Ok(Verdict::Kept(there.iter().chain(&back).fold(0.0, |most: f64, shown| most.max(shown.bound))));
-        }
-        Ok(Verdict::Refused(far.iter().flat_map(|t| self.under(sheet.sheet.corners(*t))).collect()))
+        Ok(Verdict::Kept(there.iter().chain(&back).fold(0.0, |most: f64, shown| most.max(shown.bound))))
     }
 
     /// From the mesh to a proposal. What showed it of a triangle before, and still is there, shows it.
@@ -180,12 +173,21 @@ impl<'a> Reference<'a> {
         corners.iter().copied().filter(is_top).map(|v| self.sheet.places[v as usize]).collect()
     }
 
-    /// The places of the mesh nearest to the middle of a triangle of a proposal.
-    fn under(&self, corners: [DVec3; 3]) -> Vec<u32> {
-        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
-        let near = self.sheet.sheet.nearest(middle, None, 0.0);
-        let ids = near.map(|near| self.sheet.sheet.triangles[near.triangle as usize]);
-        ids.into_iter().flatten().map(|v| self.sheet.places[v as usize]).collect()
+    /// The corners of the mesh's triangle nearest to the middle of a triangle of a proposal: place and number.
+    fn nearest(&self, corners: [DVec3; 3]) -> Option<[(DVec3, u32); 3]> {
+        let near = self.sheet.sheet.nearest(corners.into_iter().sum::<DVec3>() / 3.0, None, 0.0)?;
+        let ids = self.sheet.sheet.triangles[near.triangle as usize];
+        Some(ids.map(|v| (self.sheet.sheet.positions[v as usize], self.sheet.places[v as usize])))
+    }
+
+    fn under(&self, corners: [DVec3; 3]) -> impl Iterator<Item = u32> {
+        self.nearest(corners).into_iter().flatten().map(|(_, number)| number)
+    }
+
+    fn farthest_under(&self, corners: [DVec3; 3]) -> Option<u32> {
+        let distance = |place: DVec3| distance_to_triangle(place, corners);
+        let near = self.nearest(corners)?.into_iter();
+        near.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|(_, number)| number)
     }
 }
 
