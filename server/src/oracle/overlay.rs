@@ -201,3 +201,59 @@ fn part_over(corners: &[Raised; 3]) -> Vec<Raised> {
     }
     part
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of 4 x 4 squares of side 1 in xz, facing +y, as high as `height` says.
+    fn grid(height: impl Fn(u32, u32) -> f64) -> Sheet<'static> {
+        let at = |i: u32| [i % 5, i / 5];
+        let place = |i: u32| DVec3::new(f64::from(at(i)[0]), height(at(i)[0], at(i)[1]), f64::from(at(i)[1]));
+        let corners = (0..25).filter(|&i| at(i)[0] < 4 && at(i)[1] < 4);
+        let triangles = corners.flat_map(|i| [[i, i + 5, i + 1], [i + 1, i + 5, i + 6]]).collect();
+        Sheet::of_triangles((0..25).map(place).collect(), triangles)
+    }
+
+    const UNDER: [DVec3; 3] = [DVec3::new(0.5, 0.0, 0.5), DVec3::new(0.5, 0.0, 3.5), DVec3::new(3.0, 0.0, 0.5)];
+
+    fn height(sheet: &Sheet<'_>, corners: [DVec3; 3]) -> Option<f64> {
+        Overlay::new(sheet).height(corners, 0, &mut Seen::default())
+    }
+
+    #[test]
+    fn a_triangle_is_as_far_from_what_covers_it_as_that_is_high() {
+        let tent = grid(|x, z| if (x, z) == (1, 2) { 0.25 } else { 0.125 });
+        let found = height(&tent, UNDER).unwrap();
+        assert!((found - 0.25).abs() < 1e-7, "{found}");
+        // The highest place is not over this one.
+        let beside = UNDER.map(|p| DVec3::new(3.9 - 0.4 * p.x, 0.0, 0.4 * p.z)).map(|p| DVec3::new(p.x, 0.0, p.z));
+        let found = height(&tent, [beside[0], beside[2], beside[1]]).unwrap();
+        assert!((found - 0.125).abs() < 1e-7, "{found}");
+    }
+
+    #[test]
+    fn what_a_border_runs_over_or_a_fold_lies_over_is_not_shown() {
+        assert_eq!(height(&grid(|_, _| 0.0), UNDER.map(|p| 1.5 * p)), None);
+        let mut folded = grid(|_, _| 0.0);
+        folded.positions[6].x = 2.5;
+        assert_eq!(height(&folded, UNDER), None);
+        assert_eq!(height(&grid(|_, _| 0.0), [UNDER[0], UNDER[2], UNDER[1]]), None, "upside down");
+    }
+
+    #[test]
+    fn a_side_that_is_the_border_is_none() {
+        let whole = [DVec3::ZERO, DVec3::new(0.0, 0.0, 4.0), DVec3::new(4.0, 0.0, 0.0)];
+        assert!(height(&grid(|_, _| 0.0), whole).unwrap() < 1e-7);
+    }
+
+    #[test]
+    fn few_triangles_that_cover_are_named() {
+        let (sheet, mut seen) = (grid(|_, _| 0.0), Seen::default());
+        let small = UNDER.map(|p| DVec3::new(0.1, 0.0, 0.1) + 0.1 * p);
+        assert!(Overlay::new(&sheet).height(small, 0, &mut seen).is_some());
+        assert_eq!(seen.few(), Some([0; 4]));
+        assert!(Overlay::new(&sheet).height(UNDER, 0, &mut seen).is_some());
+        assert_eq!(seen.few(), None);
+    }
+}

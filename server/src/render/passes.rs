@@ -44,7 +44,10 @@ use crate::{
 };
 use streams::{BaseStreams, FineStreams};
 
-use super::{JobContext, tessellate::{across, tessellate_on}};
+use super::{
+    JobContext,
+    tessellate::{across, tessellate_on},
+};
 
 /// Displaces one mesh on a device.
 pub fn displace(

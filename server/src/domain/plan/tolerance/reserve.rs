@@ -61,7 +61,7 @@ mod tests {
             quality: Quality::Normal,
             max_triangles: 1000,
             spans_base: false,
-        reserve: None,
+            reserve: None,
         }
     }
 

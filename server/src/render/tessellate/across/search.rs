@@ -17,7 +17,7 @@ const SHARES: [f64; 3] = [0.8, 0.5, 0.3];
 const ROUNDS: u32 = 40;
 /// Proposals until a ring more is kept around each fault: what is kept in one place changes what goes in others, and single
 /// faults would turn up without end.
-const PATIENCE: u32 = 10;
+const PATIENCE: u32 = 8;
 
 /// What stands for a mesh.
 pub(super) struct Simpler {
@@ -88,12 +88,11 @@ impl Search<'_> {
             match self.reference.verdict(&triangles, &mut known, self.job.cancel)? {
                 Verdict::Kept(error_local) => return Ok(Some(Simpler { triangles, error_local })),
                 Verdict::Refused(faults) => {
-                    eprintln!("DBG {share} {round} {} faults {}", triangles.len(), faults.len());
                     if round >= PATIENCE {
                         let corners = triangles.as_flattened().iter();
                         corners.for_each(|v| kept[self.places[*v as usize] as usize] = true);
                     }
-                    if !self.keep(&mut kept, faults, round / PATIENCE) {
+                    if !self.keep(&mut kept, faults, (round / PATIENCE).saturating_sub(1)) {
                         return Ok(None);
                     }
                 }

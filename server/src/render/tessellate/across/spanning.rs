@@ -47,8 +47,7 @@ struct Owners {
 
 impl Owners {
     fn of(mesh: &Mesh, surface: &Surface) -> Self {
-        let mut owners =
-            Self { of_triangle: HashMap::new(), of_vertex: vec![0; surface.positions.len()] };
+        let mut owners = Self { of_triangle: HashMap::new(), of_vertex: vec![0; surface.positions.len()] };
         for base in (0..mesh.triangles.len()).rev() {
             for ids in &surface.triangles[surface.triangles_of(base)] {
                 owners.of_triangle.insert(from_least(*ids), base as u32);

@@ -9,7 +9,11 @@ use rayon::prelude::*;
 use super::patch::{from_least, place};
 use crate::{
     domain::{Result, cancel::Cancel, mesh::Csr, surface::Surface},
-    oracle::{hausdorff::{self, Shown}, overlay::Overlay, sheet::{Sheet, distance_to_triangle}},
+    oracle::{
+        hausdorff::{self, Shown},
+        overlay::Overlay,
+        sheet::{Sheet, distance_to_triangle},
+    },
 };
 
 /// Cuts for each triangle that folds lie over before the search for its bound is given up.
@@ -160,7 +164,8 @@ impl<'a> Reference<'a> {
     /// to keep the worst place is often enough.
     fn farthest(&self, far: &[u32], proposal: &Sheet<'_>) -> Vec<u32> {
         let slack = 0.125 * self.tolerance_local;
-        let distance = |v: u32| proposal.near_enough(self.sheet.sheet.positions[v as usize], None, slack).map(|n| n.upper);
+        let distance =
+            |v: u32| proposal.near_enough(self.sheet.sheet.positions[v as usize], None, slack).map(|n| n.upper);
         let mut corners: Vec<u32> = far.iter().flat_map(|t| self.sheet.sheet.triangles[*t as usize]).collect();
         corners.sort_unstable();
         corners.dedup();
@@ -214,4 +219,66 @@ fn bad(surface: &Surface, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         double_area.dot(normal) <= 0.0 || double_area.length() <= THIN * longest
     };
     triangles.par_iter().filter(is_bad).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plane of 3 x 3 squares of side 1 with its middle vertices raised.
+    fn hill(height: f32) -> Surface {
+        let at = |i: u32| [i % 4, i / 4];
+        let is_inner = |[x, z]: [u32; 2]| (1..3).contains(&x) && (1..3).contains(&z);
+        let place = |i: u32| [at(i)[0] as f32, if is_inner(at(i)) { height } else { 0.0 }, at(i)[1] as f32];
+        let corners = (0..16).filter(|&i| at(i)[0] < 3 && at(i)[1] < 3);
+        Surface {
+            positions: (0..16).map(place).collect(),
+            normals: vec![[0.0, 1.0, 0.0]; 16],
+            triangles: corners.flat_map(|i| [[i, i + 4, i + 1], [i + 1, i + 4, i + 5]]).collect(),
+            ..Surface::default()
+        }
+    }
+
+    fn verdict(surface: &Surface, proposal: &[[u32; 3]], tolerance: f64) -> Verdict {
+        let places: Vec<u32> = (0..16).collect();
+        let sheet = PlacedSheet::new(surface, &places, &surface.triangles);
+        let reference = Reference::new(surface, &places, &sheet, tolerance);
+        reference.verdict(proposal, &mut Known::default(), &Cancel::default()).expect("nobody cancels")
+    }
+
+    /// All of the border, and nothing inside.
+    const FLAT: [[u32; 3]; 10] = [
+        [0, 4, 1],
+        [1, 4, 2],
+        [2, 4, 8],
+        [2, 8, 3],
+        [3, 8, 7],
+        [7, 8, 11],
+        [11, 8, 12],
+        [11, 12, 13],
+        [11, 13, 14],
+        [11, 14, 15],
+    ];
+
+    #[test]
+    fn a_proposal_is_kept_with_its_distance_where_it_is_near_enough() {
+        let Verdict::Kept(distance) = verdict(&hill(0.01), &FLAT, 0.02) else { panic!("it is near enough") };
+        assert!((0.01..0.011).contains(&distance), "{distance}");
+    }
+
+    #[test]
+    fn a_proposal_that_breaks_the_tolerance_is_refused_for_the_farthest_places() {
+        let Verdict::Refused(faults) = verdict(&hill(0.01), &FLAT, 0.005) else { panic!("it is too far") };
+        assert!(faults.iter().any(|place| [5, 6, 9, 10].contains(place)), "{faults:?}");
+    }
+
+    #[test]
+    fn a_proposal_that_opens_or_turns_anything_is_refused() {
+        let surface = hill(0.0);
+        assert!(matches!(verdict(&surface, &FLAT, 1.0), Verdict::Kept(_)));
+        assert!(matches!(verdict(&surface, &FLAT[1..], 9.0), Verdict::Refused(_)), "a triangle is missing");
+        let mut turned = FLAT;
+        turned[4].swap(0, 1);
+        assert!(matches!(verdict(&surface, &turned, 9.0), Verdict::Refused(_)), "a triangle faces down");
+    }
 }
