@@ -218,7 +218,8 @@ mod tests {
     const UNDER: [DVec3; 3] = [DVec3::new(0.5, 0.0, 0.5), DVec3::new(0.5, 0.0, 3.5), DVec3::new(3.0, 0.0, 0.5)];
 
     fn height(sheet: &Sheet<'_>, corners: [DVec3; 3]) -> Option<f64> {
-        Overlay::new(sheet).height(corners, 0, &mut Seen::default())
+        let near = sheet.nearest(corners.into_iter().sum::<DVec3>() / 3.0, None, 0.0)?;
+        Overlay::new(sheet).height(corners, near.triangle, &mut Seen::default())
     }
 
     #[test]
@@ -227,7 +228,7 @@ mod tests {
         let found = height(&tent, UNDER).unwrap();
         assert!((found - 0.25).abs() < 1e-7, "{found}");
         // The highest place is not over this one.
-        let beside = UNDER.map(|p| DVec3::new(3.9 - 0.4 * p.x, 0.0, 0.4 * p.z)).map(|p| DVec3::new(p.x, 0.0, p.z));
+        let beside = UNDER.map(|p| DVec3::new(3.9 - 0.4 * p.x, 0.0, 0.4 * p.z));
         let found = height(&tent, [beside[0], beside[2], beside[1]]).unwrap();
         assert!((found - 0.125).abs() < 1e-7, "{found}");
     }

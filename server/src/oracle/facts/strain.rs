@@ -109,7 +109,8 @@ impl Strain {
         for (triangle, ids) in (first..).zip(triangles) {
             let Some(frame) = Frame::between(ids.map(|v| surface.base_place(mesh, v as usize)), 0) else { continue };
             let at = ids.map(|v| surface.positions[v as usize]);
-            let (square, flipped) = frame.of_fine(at.map(exact), true);
+            let (square, _) = frame.of_fine(at.map(exact), true);
+            let flipped = surface.faces_back(mesh, *ids);
             self.add(square, flipped, Spot { triangle: pieces.base_of(triangle) as u32, position: at[0] });
         }
     }

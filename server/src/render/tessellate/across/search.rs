@@ -15,8 +15,8 @@ use crate::{
 const SHARES: [f64; 3] = [0.8, 0.5, 0.3];
 /// Proposals for one error.
 const ROUNDS: u32 = 40;
-/// Proposals until a ring more is kept around each fault: what is kept in one place changes what goes in others, and single
-/// faults would turn up without end.
+/// Proposals until what the last one kept stays kept, for what is kept in one place changes what goes in others; and twice
+/// as many until wider and wider rings around faults are kept, for single ones would turn up without end.
 const PATIENCE: u32 = 8;
 
 /// What stands for a mesh.
@@ -89,10 +89,10 @@ impl Search<'_> {
                 Verdict::Kept(error_local) => return Ok(Some(Simpler { triangles, error_local })),
                 Verdict::Refused(faults) => {
                     if round >= PATIENCE {
-                        let corners = triangles.as_flattened().iter();
-                        corners.for_each(|v| kept[self.places[*v as usize] as usize] = true);
+                        let corners = triangles.as_flattened();
+                        corners.iter().for_each(|v| kept[self.places[*v as usize] as usize] = true);
                     }
-                    if !self.keep(&mut kept, faults, (round / PATIENCE).saturating_sub(1)) {
+                    if !self.keep(&mut kept, faults, round.saturating_sub(2 * PATIENCE) / 2) {
                         return Ok(None);
                     }
                 }

@@ -2,10 +2,9 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::patch::{from_least, place};
+use super::patch::from_least;
 use crate::domain::{
     mesh::Mesh,
     surface::{Layout, Pieces, Surface},
@@ -26,17 +25,8 @@ pub(super) fn surface(mesh: &Mesh, surface: &Surface, triangles: Vec<[u32; 3]>) 
     let layout = Layout::Pieces(Arc::new(Pieces { triangle_first, is_spanning: true, ..Pieces::clone(pieces) }));
     let triangles = owned.into_iter().map(|(_, triangle)| triangle).collect();
     let simpler = Surface { layout, triangles, ..surface.clone() };
-    Surface { flipped: flipped(mesh, &simpler), ..simpler }
-}
-
-/// Triangles that face against the one between the places of their corners on the base.
-fn flipped(mesh: &Mesh, surface: &Surface) -> u64 {
-    let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
-    let back = |ids: &&[u32; 3]| {
-        let of_base = ids.map(|v| surface.base_place(mesh, v as usize));
-        normal(ids.map(|v| place(surface, v))).dot(normal(of_base)) < 0.0
-    };
-    surface.triangles.par_iter().filter(back).count() as u64
+    let flipped = simpler.triangles.par_iter().filter(|ids| simpler.faces_back(mesh, **ids)).count() as u64;
+    Surface { flipped, ..simpler }
 }
 
 struct Owners {

@@ -36,7 +36,7 @@ pub(super) struct Reference<'a> {
     tolerance_local: f64,
 }
 
-/// Triangles between places, each place once.
+/// Triangles between places, each place once, both in an order that follows from places alone.
 pub(super) struct PlacedSheet {
     sheet: Sheet<'static>,
     /// The place of each vertex of the sheet, rising.
@@ -68,7 +68,8 @@ impl PlacedSheet {
         used.par_sort_unstable();
         used.dedup_by_key(|(place, _)| *place);
         let own = |v: u32| used.partition_point(|(place, _)| *place < places[v as usize]) as u32;
-        let triangles = triangles.par_iter().map(|t| t.map(own)).collect();
+        let mut triangles: Vec<[u32; 3]> = triangles.par_iter().map(|t| from_least(t.map(own))).collect();
+        triangles.par_sort_unstable();
         let sheet = Sheet::of_triangles(used.iter().map(|(_, v)| place(surface, *v)).collect(), triangles);
         Self { sheet, places: used.into_iter().map(|(place, _)| place).collect() }
     }
