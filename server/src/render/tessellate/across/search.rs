@@ -15,8 +15,8 @@ use crate::{
 const SHARES: [f64; 3] = [0.8, 0.5, 0.3];
 /// Proposals for one error.
 const ROUNDS: u32 = 40;
-/// Proposals until what the last one kept stays kept, for what is kept in one place changes what goes in others; and twice
-/// as many until wider and wider rings around faults are kept, for single ones would turn up without end.
+/// Proposals until what the last one kept stays kept: what is kept in one place changes what goes in others, and single
+/// faults would turn up without end.
 const PATIENCE: u32 = 8;
 
 /// What stands for a mesh.
@@ -92,7 +92,7 @@ impl Search<'_> {
                         let corners = triangles.as_flattened();
                         corners.iter().for_each(|v| kept[self.places[*v as usize] as usize] = true);
                     }
-                    if !self.keep(&mut kept, faults, round.saturating_sub(2 * PATIENCE) / 2) {
+                    if !self.keep(&mut kept, faults) {
                         return Ok(None);
                     }
                 }
@@ -101,12 +101,8 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Keeps the places of faults and those in so many `rings` around them, and in more where those were kept before.
-    /// Whether there were any to keep.
-    fn keep(&self, kept: &mut [bool], mut faults: Vec<u32>, rings: u32) -> bool {
-        for _ in 0..rings {
-            self.widen(&mut faults);
-        }
+    /// Keeps the places of faults, or those around them where they were kept before. Whether there were any to keep.
+    fn keep(&self, kept: &mut [bool], mut faults: Vec<u32>) -> bool {
         while faults.iter().all(|place| kept[*place as usize]) {
             faults.sort_unstable();
             faults.dedup();
