@@ -10,6 +10,7 @@
 //! | `dicing.rs`, `dicing/` | the surface as triangles with a certified residual |
 //! | `sheet.rs`, `sheet/` | how near a mesh or a surface comes to a point |
 //! | `hausdorff.rs` | how far two of them are apart, as an interval |
+//! | `overlay.rs` | the same of meshes that lie over each other without folds, at once |
 //! | `samples.rs` | the same at places spread evenly, with normals |
 //! | `sampled_error.rs` | how far a result is found to be from its surface |
 //! | `measure.rs`, `cracks.rs` | everything that is told of two of them |
@@ -36,6 +37,7 @@ pub mod interval_jet;
 pub mod invariants;
 pub mod measure;
 pub mod metrics;
+pub mod overlay;
 pub mod parameter;
 pub mod predicates;
 pub mod ray;

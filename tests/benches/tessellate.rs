@@ -115,6 +115,7 @@ fn within(tolerance_local: f64) -> TolerancePlan {
         error_at: ErrorAt::Surface,
         quality: Quality::Normal,
         max_triangles: 1 << 24,
+        spans_base: false,
         reserve: None,
     }
 }

@@ -1,4 +1,5 @@
 //! The one integration binary: one module per topic, all over the harness in `tests/src`.
+mod across;
 mod base;
 mod cli;
 mod compare;

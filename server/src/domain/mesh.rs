@@ -144,6 +144,12 @@ impl Mesh {
         self.patches.as_ref().map_or(0.0, |patches| patches.bulge(&self.gv_position))
     }
 
+    /// Whether a skin or morph targets may move it.
+    #[must_use]
+    pub fn is_deformed(&self) -> bool {
+        self.attributes.iter().any(|a| a.semantic.starts_with("JOINTS_") || a.semantic.starts_with("targets/"))
+    }
+
     #[must_use]
     pub fn attribute(&self, semantic: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.semantic == semantic)

@@ -120,8 +120,10 @@ impl SurfacePlan {
         geometry: &Geometry,
         max_triangles: u64,
     ) -> Result<(Self, Option<Warning>)> {
-        let (fitted, warning) = TolerancePlan::new(scene, index, tolerance, max_triangles)?;
+        let (mut fitted, warning) = TolerancePlan::new(scene, index, tolerance, max_triangles)?;
         let mesh = &scene.meshes[index].mesh;
+        let is_tied = matches!(geometry.normals, Normals::Map { .. }) || mesh.is_deformed();
+        fitted.spans_base = fitted.views.is_empty() && !is_tied;
         let plan = Self::of(index, mesh, TessellationPlan::Tolerance(fitted), geometry);
         if plan.triangles > MOST_TRIANGLES {
             let message = format!(

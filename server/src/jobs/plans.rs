@@ -123,8 +123,7 @@ impl Plans {
 
     /// Counts are those of the surface from now on.
     pub(super) fn made(&mut self, index: usize, surface: &Surface) {
-        self.sizes[index] =
-            Size { vertices: surface.positions.len() as u64, triangles: surface.triangles.len() as u64 };
+        self.sizes[index] = Size { vertices: surface.vertices_used(), triangles: surface.triangles.len() as u64 };
     }
 
     /// Whether the counts are known before anything is made; else they are the least until then.

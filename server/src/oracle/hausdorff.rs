@@ -18,7 +18,10 @@ use self::{
     open::Open,
     piece::{Piece, covering_radius, farthest_from, leaves, longest},
 };
-use super::sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle};
+use super::{
+    overlay::{Few, Overlay, Seen},
+    sheet::{Near, Sheet, closest_on_triangle, distance_to_triangle},
+};
 use crate::domain::{
     Error, Result,
     cancel::{Cancel, Progress},
@@ -47,6 +50,10 @@ pub struct Directed {
 
 /// Pieces cut at a time, in parallel.
 const BATCH: usize = 8192;
+/// How far the bounds of one distance may be apart where only a limit is asked about, as a share of it.
+const WIDTH_WITHIN: f64 = 0.25;
+/// Triangles that one thread asks about one after the other.
+const LOT: usize = 256;
 /// Rounding of one distance, as a share of the largest number in it.
 const ROUNDING: f64 = 1e-14;
 /// Pieces deeper than this are cut in halves, so that they shrink surely.
@@ -95,6 +102,37 @@ pub fn directed(
     Ok(Some(Directed { lo, hi, at: best.at, cuts }))
 }
 
+/// What is found of one triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// No place of it is farther; infinite where that is not shown to be at most the limit.
+    pub bound: f64,
+    /// The triangles of the other mesh that alone show it, where they are few.
+    pub by: Option<Few>,
+}
+
+/// For each triangle of A, whether it is at most `limit` from B. Both are meshes. Much sooner found than [`directed`]'s
+/// interval: what B covers is not cut, nor what is near enough. `max_cuts` are for each triangle that is cut; those of
+/// which `known` tells are not asked about.
+pub fn within(
+    a: &Sheet<'_>,
+    b: &Overlay<'_>,
+    limit: f64,
+    max_cuts: u64,
+    known: impl Fn(u32) -> Option<Shown> + Sync,
+    cancel: &Cancel,
+) -> Result<Vec<Shown>> {
+    let all: Vec<u32> = (0..a.triangles.len() as u32).collect();
+    if b.sheet().triangles.is_empty() {
+        return Ok(vec![Shown { bound: f64::INFINITY, by: None }; all.len()]);
+    }
+    let rounding = ROUNDING * a.magnitude().max(b.sheet().magnitude());
+    let search = Search { a, b: b.sheet(), width: limit * WIDTH_WITHIN, cancel };
+    let of_lot = |lot: &[u32]| search.lot_within(lot, b, limit, rounding, max_cuts, &known);
+    let lots: Vec<Vec<Shown>> = all.par_chunks(LOT).map(of_lot).collect::<Result<_>>()?;
+    Ok(lots.concat())
+}
+
 fn not_finite() -> Error {
     let message =
         "the surface is not finite everywhere: lower the scale, or keep the expression away from division by 0";
@@ -125,6 +163,55 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
+    /// As [`within`], of listed triangles of A.
+    fn lot_within(
+        &self,
+        lot: &[u32],
+        b: &Overlay<'_>,
+        limit: f64,
+        rounding: f64,
+        max_cuts: u64,
+        known: &impl Fn(u32) -> Option<Shown>,
+    ) -> Result<Vec<Shown>> {
+        let (enough, mut hint, mut seen) = (limit - rounding, None, Seen::default());
+        let mut one = |&triangle: &u32| {
+            self.cancel.check()?;
+            if let Some(shown) = known(triangle) {
+                return Ok(shown);
+            }
+            let corners = self.a.corners(triangle);
+            let near = self.near(corners.into_iter().sum::<DVec3>() / 3.0, hint, enough - self.width)?;
+            hint = Some(near.triangle);
+            if let Some(bound) = b.height(corners, near.triangle, &mut seen).filter(|height| *height <= enough) {
+                return Ok(Shown { bound: bound + rounding, by: seen.few() });
+            }
+            let bound = if near.lower <= enough { self.cut_within(triangle, enough, max_cuts)? } else { None };
+            Ok(Shown { bound: bound.map_or(f64::INFINITY, |bound| bound + rounding), by: None })
+        };
+        lot.iter().map(&mut one).collect()
+    }
+
+    /// A bound of one triangle of A, at most `enough`, by cutting it.
+    fn cut_within(&self, triangle: u32, enough: f64, max_cuts: u64) -> Result<Option<f64>> {
+        let is_far = |near: &Near| near.lower > enough;
+        let [p, q, r] = self.a.corners(triangle).map(|corner| self.near(corner, None, enough - self.width));
+        let near = [p?, q?, r?];
+        if near.iter().any(is_far) {
+            return Ok(None);
+        }
+        let mut open = Open::default();
+        open.add(self.whole_of(triangle, near, enough), enough);
+        for _ in 0..max_cuts {
+            let Some(piece) = open.take(1, enough).pop() else { return Ok(Some(open.most())) };
+            let parts = self.cut(&piece, enough - self.width, self.width)?;
+            if parts.iter().flat_map(|part| &part.near).any(is_far) {
+                return Ok(None);
+            }
+            parts.into_iter().for_each(|part| open.add(part, enough));
+        }
+        Ok(None)
+    }
+
     fn vertices(&self) -> Result<Vec<Near>> {
         let of_chunk = |places: &[DVec3]| -> Result<Vec<Near>> {
             let mut hint = None;
@@ -178,9 +265,13 @@ impl Search<'_> {
     fn whole(&self, triangle: u32, vertices: &[Near], enough: f64) -> Result<Piece> {
         self.cancel.check()?;
         let near = self.a.triangles[triangle as usize].map(|v| vertices[v as usize]);
+        Ok(self.whole_of(triangle, near, enough))
+    }
+
+    fn whole_of(&self, triangle: u32, near: [Near; 3], enough: f64) -> Piece {
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
         let places = self.a.corners(triangle);
-        Ok(self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough))
+        self.bounded(Piece { triangle, depth: 0, corners, places, near, upper: 0.0 }, enough)
     }
 
     /// The cheap bounds first; what they show to be near enough needs no better one.

@@ -124,6 +124,17 @@ impl<'s> SheetBuilder<'s> {
     }
 }
 
+impl Sheet<'static> {
+    /// Triangles that stand for themselves, with their own normals; indices are in range.
+    #[must_use]
+    pub fn of_triangles(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let normal = |[a, b, c]: [DVec3; 3]| [unit((b - a).cross(c - a)); 3];
+        let normals = triangles.iter().map(|t| normal(t.map(|v| positions[v as usize]))).collect();
+        let magnitude = positions.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+        SheetBuilder { positions, triangles, normals, magnitude, ..SheetBuilder::default() }.build()
+    }
+}
+
 impl Sheet<'_> {
     #[must_use]
     pub fn corners(&self, triangle: u32) -> [DVec3; 3] {

@@ -90,8 +90,9 @@ impl Topology {
     }
 }
 
-/// The place of each vertex, and a vertex of each place.
-fn places(positions: &[[f32; 3]]) -> (Vec<u32>, Vec<u32>) {
+/// The place of each vertex, and a vertex of each place. Places are numbered in the order of their positions' bits.
+#[must_use]
+pub fn places(positions: &[[f32; 3]]) -> (Vec<u32>, Vec<u32>) {
     let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
     let mut sorted: Vec<([u32; 3], u32)> =
         positions.par_iter().enumerate().map(|(v, &p)| (bits(p), v as u32)).collect();

@@ -44,7 +44,10 @@ use crate::{
 };
 use streams::{BaseStreams, FineStreams};
 
-use super::{JobContext, tessellate::tessellate_on};
+use super::{
+    JobContext,
+    tessellate::{across, tessellate_on},
+};
 
 /// Displaces one mesh on a device.
 pub fn displace(
@@ -54,17 +57,19 @@ pub fn displace(
     mesh: &Mesh,
     details: &[Option<Arc<Detail>>],
 ) -> Result<(Surface, Vec<report::PassTime>)> {
-    let recorder = device.recorder(job.cancel, job.progress);
     match &plan.tessellation {
         TessellationPlan::Uniform { .. } => {
+            let recorder = device.recorder(job.cancel, job.progress);
             let (surface, times) = displace_uniformly(device, recorder, plan, mesh, details)?;
             Ok((surface, times.into_iter().map(report::PassTime::from).collect()))
         }
         TessellationPlan::Tolerance(tolerance) => {
             let tables = tables::build(plan, mesh, details)?;
-            let tessellation = tessellate_on(device, job, tolerance, &tables, mesh)?;
-            let base = BaseStreams::new(device, &tables)?;
-            tessellation.finished(mesh, |shape| pieces::finish(device, recorder, plan, &tables, &base, mesh, shape))
+            across::fewest(job, tolerance, mesh, |tolerance| {
+                let tessellation = tessellate_on(device, job, tolerance, &tables, mesh)?;
+                let (base, recorder) = (BaseStreams::new(device, &tables)?, device.recorder(job.cancel, job.progress));
+                tessellation.finished(mesh, |shape| pieces::finish(device, recorder, plan, &tables, &base, mesh, shape))
+            })
         }
     }
 }

@@ -26,7 +26,7 @@ use super::{
     Executor, JobContext,
     passes::{self, displace::runs, skin, subdivide::blocks},
     reference_image,
-    tessellate::tessellate,
+    tessellate::{across, tessellate},
 };
 use crate::domain::{
     Result,
@@ -65,8 +65,10 @@ impl Executor for ReferenceExecutor {
                 let surface = Displacer::new(&tables, mesh, plan).run(&mut stages)?;
                 Ok((surface, stages.times))
             }
-            TessellationPlan::Tolerance(tolerance) => tessellate(job, tolerance, &tables, mesh)?
-                .finished(mesh, |shape| pieces::finish(job, plan, &tables, mesh, shape)),
+            TessellationPlan::Tolerance(tolerance) => across::fewest(job, tolerance, mesh, |tolerance| {
+                tessellate(job, tolerance, &tables, mesh)?
+                    .finished(mesh, |shape| pieces::finish(job, plan, &tables, mesh, shape))
+            }),
         }
     }
 

@@ -2,6 +2,7 @@
 //! that keep it. By the f64 twins, on all cores, or by the passes (`device`), which know height layers and a tolerance
 //! that is the same everywhere.
 
+pub mod across;
 mod budget;
 pub mod device;
 mod refine;

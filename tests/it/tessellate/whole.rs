@@ -34,6 +34,7 @@ fn plan(tolerance_local: f64, error_at: ErrorAt) -> TolerancePlan {
         error_at,
         quality: Quality::Normal,
         max_triangles: 1 << 20,
+        spans_base: false,
         reserve: None,
     }
 }

@@ -41,6 +41,11 @@ pub struct TolerancePlan {
     pub quality: Quality,
     /// Refinement stops, complete and conforming, before it would make more triangles.
     pub max_triangles: u64,
+    /// Whether the triangles of the result may span several base triangles where those are denser than the tolerance asks
+    /// for: not where a normal map is tied to them, a skin or a morph target moves them, or views ask for more here than
+    /// there.
+    #[serde(default)]
+    pub spans_base: bool,
     /// What `tolerance_local` and the views are short of what was asked for.
     #[serde(default)]
     pub reserve: Option<Reserve>,
@@ -64,6 +69,7 @@ impl TolerancePlan {
             error_at: *error_at,
             quality: *quality,
             max_triangles: max_triangles.min(MOST_TRIANGLES),
+            spans_base: false,
             reserve: None,
         };
         plan.tolerance_local = match allowed {

@@ -84,6 +84,12 @@ impl Layout {
         }
     }
 
+    /// Whether fine triangles may span several base triangles; see [`Pieces::is_spanning`].
+    #[must_use]
+    pub fn is_spanning(&self) -> bool {
+        matches!(self, Self::Pieces(pieces) if pieces.is_spanning)
+    }
+
     /// What is wrong with the lists, if anything; all else about a layout may be asked only where nothing is.
     #[must_use]
     pub fn fault(&self, mesh: &Mesh) -> Option<String> {

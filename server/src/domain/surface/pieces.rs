@@ -20,6 +20,9 @@ pub struct Pieces {
     pub interior_place: Vec<[u32; 2]>,
     /// Fine triangles of each base triangle.
     pub triangle_first: Vec<u32>,
+    /// Whether fine triangles may span several base triangles of a primitive, each of them owned by one that has one of
+    /// its corners, and whether vertices may be of no fine triangle. Else the fine triangles of a base triangle tile it.
+    pub is_spanning: bool,
 }
 
 /// A surface without normals and attributes.

@@ -76,6 +76,7 @@ fn shape(mesh: &Mesh, sorted: &[Key]) -> Shape {
         *first = sum;
     }
     let pieces = Pieces {
+        is_spanning: false,
         edge_first: vec![0; mesh.ae_av.len() + 1],
         edge_place: Vec::new(),
         interior_first,

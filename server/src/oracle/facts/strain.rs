@@ -22,7 +22,8 @@ pub const LONG: f64 = 4.0;
 const LOT: usize = 1 << 14;
 
 /// The stretch of a fine triangle is the largest singular value of the affine map from its part of the flat base
-/// triangle to where it was moved (Sander et al. 2001): 1 is no stretch, 2 doubles a length.
+/// triangle to where it was moved (Sander et al. 2001): 1 is no stretch, 2 doubles a length. One that spans several base
+/// triangles is compared with the triangle between the places of its corners on the flat base.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strain {
     /// Fine triangles measured: those of base triangles with area.
@@ -82,6 +83,7 @@ impl Strain {
     fn add_lot(&mut self, mesh: &Mesh, surface: &Surface, first: usize, triangles: &[[u32; 3]]) {
         match &surface.layout {
             Layout::Uniform { level } => self.add_uniform(mesh, surface, *level, first, triangles),
+            Layout::Pieces(pieces) if pieces.is_spanning => self.add_spanning(mesh, surface, pieces, first, triangles),
             Layout::Pieces(pieces) => self.add_pieces(mesh, surface, pieces, first, triangles),
         }
     }
@@ -100,6 +102,16 @@ impl Strain {
                 let (square, flipped) = frame.of_piece(at.map(exact), [a, b, c]);
                 self.add(square, flipped, Spot { triangle: base as u32, position: at[0] });
             }
+        }
+    }
+
+    fn add_spanning(&mut self, mesh: &Mesh, surface: &Surface, pieces: &Pieces, first: usize, triangles: &[[u32; 3]]) {
+        for (triangle, ids) in (first..).zip(triangles) {
+            let Some(frame) = Frame::between(ids.map(|v| surface.base_place(mesh, v as usize)), 0) else { continue };
+            let at = ids.map(|v| surface.positions[v as usize]);
+            let (square, _) = frame.of_fine(at.map(exact), true);
+            let flipped = surface.faces_back(mesh, *ids);
+            self.add(square, flipped, Spot { triangle: pieces.base_of(triangle) as u32, position: at[0] });
         }
     }
 

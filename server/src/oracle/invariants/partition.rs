@@ -12,9 +12,12 @@ type Point = [i64; 2];
 /// round. Whole-number coordinates are the weights of the second and third corner in units of 2^-24.
 ///
 /// Triangles that all run counter-clockwise, whose inner sides cancel in pairs and whose other sides run once round
-/// the base triangle, cover every point of it once.
+/// the base triangle, cover every point of it once. Of triangles that span several nothing is asked.
 #[must_use]
 pub fn partition(mesh: &Mesh, surface: &Surface) -> Option<Broken> {
+    if surface.layout.is_spanning() {
+        return None;
+    }
     let tiling = Tiling { mesh, surface };
     let fault = |t: usize| tiling.fault(t).map(|what| (t, what));
     let faults: Vec<(usize, String)> = (0..mesh.triangles.len()).into_par_iter().filter_map(fault).collect();

@@ -60,6 +60,7 @@ mod tests {
             error_at: ErrorAt::Surface,
             quality: Quality::Normal,
             max_triangles: 1000,
+            spans_base: false,
             reserve: None,
         }
     }

@@ -16,8 +16,11 @@ pub(super) struct Frame {
 impl Frame {
     pub(super) fn of(mesh: &Mesh, base: usize, level: u32) -> Option<Self> {
         let place = |av: u32| exact(mesh.gv_position[mesh.av_gv[av as usize] as usize]);
-        let [a, b, c] = mesh.triangles[base].av;
-        let (p, q, r) = (place(a), place(b), place(c));
+        Self::between(mesh.triangles[base].av.map(place), level)
+    }
+
+    /// Of the triangle between three places.
+    pub(super) fn between([p, q, r]: [DVec3; 3], level: u32) -> Option<Self> {
         let normal = (q - p).cross(r - p);
         let along = (q - p).length();
         let (across, skew) = (normal.length() / along, (q - p).dot(r - p) / along);
