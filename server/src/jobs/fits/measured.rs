@@ -1,6 +1,7 @@
 //! How far results are found to be from their surfaces.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::Made;
 use crate::{
@@ -9,6 +10,7 @@ use crate::{
     },
     oracle::{
         sampled_error::{Sampled, lattice},
+        sheet::Sheet,
         surface::{self as oracle, SeamChoice},
     },
 };
@@ -42,8 +44,27 @@ impl Made<'_> {
             position: &|vertex| written(surface, grid, vertex),
             allowed: &|corners| plan.allowed_to(corners),
         };
+        if surface.layout.is_spanning() {
+            return largest_distance(&sampled, cancel);
+        }
         Ok(plan.tolerance_local * largest_share(&sampled, cancel)?)
     }
+}
+
+/// Of places of the surface from triangles that stand for no one base triangle, mesh-local units.
+fn largest_distance(sampled: &Sampled<'_>, cancel: &Cancel) -> Result<f64> {
+    let positions = (0..sampled.surface.positions.len() as u32).map(sampled.position).collect();
+    let sheet = Sheet::of_triangles(positions, sampled.surface.triangles.clone());
+    let count = sampled.truth.mesh().triangles.len();
+    let some: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_IN_MIDDLE).max(1)).collect();
+    let of = |base: &usize| {
+        cancel.check()?;
+        let places = [MIDDLE[0], DVec3::X, DVec3::Y, DVec3::Z].map(|b| sampled.truth.position(*base, b));
+        let nearest = places.iter().filter_map(|place| sheet.nearest(*place, None, 0.0));
+        Ok(nearest.fold(0.0, |most: f64, near| most.max(near.lower)))
+    };
+    let found: Vec<f64> = some.par_iter().map(of).collect::<Result<_>>()?;
+    Ok(found.into_iter().fold(0.0, f64::max))
 }
 
 fn largest_share(sampled: &Sampled<'_>, cancel: &Cancel) -> Result<f64> {

@@ -83,7 +83,9 @@ fn simplified(
     if tolerance_local < LEAST_SHARE * plan.tolerance_local {
         return Ok(None);
     }
-    let Some(simpler) = search::fewest(job, mesh, surface, tolerance_local, most)? else { return Ok(None) };
+    let Some(simpler) = search::fewest(job, mesh, surface, (tolerance_local, plan.quality), most)? else {
+        return Ok(None);
+    };
     let bound_local = fit.bound_local + simpler.error_local;
     let fit = Fit { bound_local, tolerance_local: plan.tolerance_local, budget_reached: false, ..fit };
     Ok(Some(Surface { fit: Some(fit), ..spanning::surface(mesh, surface, simpler.triangles) }))
