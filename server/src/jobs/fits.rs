@@ -80,14 +80,18 @@ fn part<'a>(
     Ok(Some(Part { name: &mesh.name, surface: index, plan, fit, measured_local }))
 }
 
+/// What a tolerance may seem larger by, as a share, for having been converted to local units and back.
+const CONVERTED: f64 = 1e-9;
+
 /// The worst of all meshes.
 fn fitted(asked: &Tolerance, parts: &[Part<'_>]) -> Option<Fitted> {
     let worst = |of: &dyn Fn(&Part<'_>) -> f64| parts.iter().map(of).reduce(f64::max);
     let bound = worst(&|part| part.fit.bound_local * part.plan.unit_per_local)?;
     let measured = worst(&|part| part.measured_local * part.plan.unit_per_local)?;
+    let (tolerance, achieved) = (asked.allowed.value(), worst(&|part| part.achieved())?);
     Some(Fitted {
-        tolerance: asked.allowed.value(),
-        achieved_tolerance: worst(&|part| part.achieved())?,
+        tolerance,
+        achieved_tolerance: if achieved <= tolerance * (1.0 + CONVERTED) { tolerance } else { achieved },
         accuracy: Accuracy { bound, measured, unit: unit(&asked.allowed) },
         rounds: parts.iter().map(|part| part.fit.rounds + part.fit.collapse_rounds).max()?,
     })

@@ -14,7 +14,7 @@ use crate::{
 /// are means, so that of the first some places are too far, and kept in the next proposal. Small ones end soon.
 const SHARES: [&[f64]; 2] = [&[0.3], &[0.8, 0.5, 0.3]];
 /// Proposals for one error.
-const ROUNDS: [u32; 2] = [24, 40];
+const ROUNDS: u32 = 40;
 /// Proposals until what the last one kept stays kept: what is kept in one place changes what goes in others, and single
 /// faults would turn up without end.
 const PATIENCE: u32 = 8;
@@ -44,7 +44,6 @@ pub(super) fn fewest(
         reference: Reference::new(surface, &places, &sheet, tolerance_local),
         patch: Patch::new(mesh, surface, tolerance_local),
         tolerance_local,
-        rounds: ROUNDS[quality as usize],
         most,
     };
     for share in SHARES[quality as usize] {
@@ -71,7 +70,6 @@ struct Search<'a> {
     reference: Reference<'a>,
     patch: Patch,
     tolerance_local: f64,
-    rounds: u32,
     most: usize,
 }
 
@@ -79,9 +77,9 @@ impl Search<'_> {
     /// Proposals for one error, until one has no fault: none where it takes too many triangles or rounds.
     fn within(&self, share: f64) -> Result<Option<Simpler>> {
         let (mut kept, mut known) = (self.fixed.clone(), Known::default());
-        for round in 0..self.rounds {
+        for round in 0..ROUNDS {
             self.job.cancel.check()?;
-            self.job.progress.pass("simplify_across", u64::from(round), u64::from(self.rounds));
+            self.job.progress.pass("simplify_across", u64::from(round), u64::from(ROUNDS));
             let is_kept = |vertex: u32| kept[self.places[vertex as usize] as usize];
             let triangles = self.patch.proposal(share * self.tolerance_local, is_kept);
             if triangles.len() >= self.most {
