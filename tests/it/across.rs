@@ -20,9 +20,8 @@ use displace_tests::{
 };
 
 /// World units.
-fn within(tolerance: f64) -> Geometry {
-    let tolerance =
-        Tolerance { allowed: Allowed::World(tolerance), error_at: ErrorAt::Surface, quality: Quality::Normal };
+fn within(tolerance: f64, quality: Quality) -> Geometry {
+    let tolerance = Tolerance { allowed: Allowed::World(tolerance), error_at: ErrorAt::Surface, quality };
     Geometry { refinement: Refinement::Tolerance(tolerance), max_triangles: Some(1 << 20), ..uniform(0) }
 }
 
@@ -35,17 +34,22 @@ fn waves() -> Arc<Detail> {
 }
 
 fn made(mesh: &TestMesh, detail: &Arc<Detail>, tolerance: f64) -> Surface {
-    displace(&*device::reference(), &mesh.to_mesh_without_tangents(), detail, &within(tolerance))
+    made_at(mesh, detail, tolerance, Quality::Normal)
+}
+
+fn made_at(mesh: &TestMesh, detail: &Arc<Detail>, tolerance: f64, quality: Quality) -> Surface {
+    displace(&*device::reference(), &mesh.to_mesh_without_tangents(), detail, &within(tolerance, quality))
 }
 
 #[test]
 fn dense_bases_get_far_fewer_triangles_than_they_have_and_nothing_opens() {
     let cases = [(meshes::torus(72, 36), flat()), (meshes::torus(72, 36), waves()), (meshes::icosphere(4), flat())];
-    for (mesh, detail) in cases {
-        let surface = made(&mesh, &detail, 0.03);
+    let at = |quality, share| cases.iter().map(move |case| (case, quality, share));
+    for ((mesh, detail), quality, share) in at(Quality::Normal, 2).chain(at(Quality::High, 4)) {
+        let surface = made_at(mesh, detail, 0.03, quality);
         let fit = surface.fit.expect("a tolerance was asked for");
         let (base, found) = (mesh.triangles.len(), surface.triangles.len());
-        assert!(found * 4 < base, "{}: {found} of {base}", mesh.name);
+        assert!(found * share < base, "{} at {quality:?}: {found} of {base}", mesh.name);
         assert!(fit.certified && fit.bound_local <= 0.03 && !fit.budget_reached, "{}: {fit:?}", mesh.name);
         assert_eq!(invariants::of_surface(&mesh.to_mesh_without_tangents(), &surface), [], "{}", mesh.name);
         assert_eq!(surface.flipped, 0, "{}", mesh.name);

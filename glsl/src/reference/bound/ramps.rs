@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{
+    MapPlace,
     field::{Field, Scalar, ratio_curvature},
     layers::Patch,
 };
@@ -81,7 +82,10 @@ impl Ramp<'_> {
             let entry = tables.seam_sides[(seam.first + rank) as usize];
             let BaseEdge { av: [a, b], patch_code, .. } = tables.base_edges[entry.id as usize];
             let corners = [start, end, end].map(|t| DVec3::new(1.0 - t, t, 0.0));
-            let patch = Patch { av: [a, b, b], patch: patch_code, detail: entry.detail, corners, ..*self.patch };
+            // Other places than those of the triangle.
+            let in_map = [MapPlace::NONE; 3];
+            let patch =
+                Patch { av: [a, b, b], patch: patch_code, detail: entry.detail, corners, in_map, ..*self.patch };
             sum += part * patch.bound((cap - sum) / part);
         }
         sum
