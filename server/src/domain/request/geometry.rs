@@ -100,7 +100,7 @@ pub enum ErrorAt {
 pub enum Quality {
     #[default]
     Normal,
-    /// Two to three times the work for up to a tenth fewer triangles.
+    /// Two to three times the work for up to a tenth fewer triangles, and a longer search across base triangles.
     High,
 }
 
