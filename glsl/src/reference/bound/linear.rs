@@ -61,6 +61,16 @@ impl Linear {
     }
 }
 
+/// Of two numbers, the first where the second is NaN: one instruction, where `f64::min` takes several.
+pub(super) fn least(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// As [`least`].
+pub(super) fn greatest(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 fn length(of: [f64; 2]) -> f64 {
     of[0].hypot(of[1])
 }

@@ -3,7 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::lattice::{Lattice, is_clamped};
+use super::{
+    lattice::{Lattice, is_clamped},
+    linear::{greatest, least},
+};
 pub(super) use crate::layout::bound::MapBlock as Block;
 
 /// Cells along the side of a block of level 0.
@@ -108,14 +111,6 @@ impl Level {
         };
         Self { size, blocks: (0..size[0] * size[1]).into_par_iter().map(block).collect() }
     }
-}
-
-fn least(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
-}
-
-fn greatest(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 fn merged(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {

@@ -2,6 +2,7 @@
 
 use super::{
     lattice::Source,
+    linear::{greatest, least},
     texels::{MapPlace, Window},
 };
 
@@ -29,7 +30,7 @@ pub(super) fn rows(source: &impl Source, corners: &[MapPlace; 3], window: &Windo
             break;
         }
         let (x, line) = rows.row(y as f64);
-        let x = [whole_above(greater(x[0], window.low[0]) - RIM), whole_below(less(x[1], window.high[0]) + RIM)];
+        let x = [whole_above(greatest(x[0], window.low[0]) - RIM), whole_below(least(x[1], window.high[0]) + RIM)];
         if x[0] <= x[1] {
             worst = source.row(y, x, line, worst);
         }
@@ -71,10 +72,10 @@ impl Rows {
     /// Where it enters and leaves the triangle, and the values there.
     fn row(&self, row: f64) -> ([f64; 2], Line) {
         let [top, middle, bottom] = self.corners;
-        let y = less(greater(row, top.y), bottom.y);
+        let y = least(greatest(row, top.y), bottom.y);
         let (from, side) = if y < middle.y { (top, self.sides[1]) } else { (middle, self.sides[2]) };
         let [long, short] = [top.x + (y - top.y) * self.sides[0][0], from.x + (y - from.y) * side[0]];
-        let x = [less(long, short), greater(long, short)];
+        let x = [least(long, short), greatest(long, short)];
         if let Some([slope, down]) = self.slopes {
             return (x, Line { x: top.x, value: top.value + (row - top.y) * down, slope });
         }
@@ -109,13 +110,4 @@ fn whole_above(x: f64) -> i64 {
 fn whole_below(x: f64) -> i64 {
     let whole = x as i64;
     whole - i64::from(whole as f64 > x)
-}
-
-/// As one instruction: neither is NaN.
-fn less(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
