@@ -42,7 +42,7 @@ float least(const vec3 v) {
 }
 
 float texel_at(const uint row, const uint column) {
-    return LOAD(texels, row + column);
+    return LOAD_TEXEL(row + column);
 }
 
 // Texels (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).

@@ -30,10 +30,10 @@ void element(uint i) {
     precise vec2 f = p - corner;
     uvec3 x = wrapped(layer.across, integer(corner.x)) + layer.first;
     uvec3 y = wrapped(layer.down, integer(corner.y)) * layer.row;
-    float t00 = LOAD(texels, y.x + x.x);
-    float t10 = LOAD(texels, y.x + x.y);
-    float t01 = LOAD(texels, y.y + x.x);
-    float t11 = LOAD(texels, y.y + x.y);
+    float t00 = LOAD_TEXEL(y.x + x.x);
+    float t10 = LOAD_TEXEL(y.x + x.y);
+    float t01 = LOAD_TEXEL(y.y + x.x);
+    float t11 = LOAD_TEXEL(y.y + x.y);
     precise float above = t00 * (1.0 - f.x) + t10 * f.x;
     precise float below = t01 * (1.0 - f.x) + t11 * f.x;
     precise float value = above * (1.0 - f.y) + below * f.y;

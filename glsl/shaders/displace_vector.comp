@@ -23,7 +23,7 @@ PAGED(5, , vec3, positions);
 
 vec3 texel(const uint at) {
     uint i = params.layer.first + 3u * at;
-    return vec3(LOAD(texels, i), LOAD(texels, i + 1u), LOAD(texels, i + 2u));
+    return vec3(LOAD_TEXEL(i), LOAD_TEXEL(i + 1u), LOAD_TEXEL(i + 2u));
 }
 
 vec3 bilinear(const vec2 p) {

@@ -26,7 +26,7 @@ vec3 map_jet(const Layer layer, const vec2 p) {
     uvec3 y = wrapped(layer.down, integer(corner.y)) * layer.row;
     vec3 sum = vec3(0.0);
     for (int row = 0; row < 3; ++row) {
-        vec3 texel = vec3(LOAD(texels, y[row] + x.x), LOAD(texels, y[row] + x.y), LOAD(texels, y[row] + x.z));
+        vec3 texel = vec3(LOAD_TEXEL(y[row] + x.x), LOAD_TEXEL(y[row] + x.y), LOAD_TEXEL(y[row] + x.z));
         vec2 a = tap_weights(0, g.x), b = tap_weights(1, g.x), d = tap_weights(2, g.x);
         vec2 across = vec2(dot(texel, vec3(a.x, b.x, d.x)), dot(texel, vec3(a.y, b.y, d.y)));
         vec2 down = tap_weights(row, g.y);

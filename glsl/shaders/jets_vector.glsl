@@ -31,7 +31,7 @@ mat3 map_jet(const Layer layer, const vec2 p) {
         uint at = layer.first + 3u * (y[row] + x[column]);
         vec3 texel;
         for (uint channel = 0u; channel < 3u; ++channel) {
-            texel[channel] = LOAD(texels, at + channel);
+            texel[channel] = LOAD_TEXEL(at + channel);
         }
         vec2 across = tap_weights(column, g.x);
         vec2 down = tap_weights(row, g.y);

@@ -24,3 +24,18 @@ uint slot_of(const uint i) {
 #define ELEMENT(NAME, I) NAME[nonuniformEXT(page_of(I))].data[slot_of(I)]
 #define LOAD(NAME, I) (ELEMENT(NAME, I))
 #define STORE(NAME, I, VALUE) (ELEMENT(NAME, I) = (VALUE))
+
+// Values of maps are words of 4 bytes, where elements have up to 32: eight times as many fit a page, so that a map of
+// 16384 x 16384 fits a stream.
+const uint TEXELS_SHIFT = PAGE_SHIFT + 3u;
+const uint TEXELS_MASK = (1u << TEXELS_SHIFT) - 1u;
+
+uint texel_page_of(const uint i) {
+    return PAGED_STREAMS == 0u ? 0u : (i >> TEXELS_SHIFT) & (MAX_PAGES - 1u);
+}
+
+uint texel_slot_of(const uint i) {
+    return PAGED_STREAMS == 0u ? i : i & TEXELS_MASK;
+}
+
+#define LOAD_TEXEL(I) (texels[nonuniformEXT(texel_page_of(I))].data[texel_slot_of(I)])

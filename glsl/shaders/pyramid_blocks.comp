@@ -18,7 +18,7 @@ PAGED(2, readonly, float, texels);
 PAGED(3, writeonly, MapBlock, blocks);
 
 float texel(const Layer layer, const ivec2 at) {
-    return LOAD(texels, layer.first + texel_of(layer.down, at.y) * layer.row + texel_of(layer.across, at.x));
+    return LOAD_TEXEL(layer.first + texel_of(layer.down, at.y) * layer.row + texel_of(layer.across, at.x));
 }
 
 // Where the map goes on, its period once more: at its ends a map that repeats from node to node may hold another texel

@@ -28,7 +28,7 @@ pub struct Tables {
     /// Layers of each detail, by detail number.
     pub details: Vec<Range<u32>>,
     pub layers: Vec<Layer>,
-    pub texels: Vec<f32>,
+    pub texels: Arc<Vec<f32>>,
     pub instructions: Vec<Instruction>,
     /// Lists per av, then per ae: `triangle * 3 + corner or side` of the triangles that shade it.
     pub contribution_first: Vec<u32>,

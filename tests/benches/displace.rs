@@ -94,7 +94,7 @@ impl Gpu {
             device: device.clone(),
             position_u: Stream::from_slice(device, "base_position_u", &input.position_u).expect("fits"),
             direction_v: Stream::from_slice(device, "base_direction_v", &input.direction_v).expect("fits"),
-            texels: Stream::from_slice(device, "texels", &input.texels).expect("fits"),
+            texels: Stream::of_texels(device, &input.texels).expect("fits"),
             positions: Stream::new(device, "positions", 12, VERTICES as u64).expect("fits"),
         };
         gpu.run();

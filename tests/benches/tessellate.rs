@@ -123,8 +123,8 @@ fn within(tolerance_local: f64) -> TolerancePlan {
 fn map(path: &Path) -> Map {
     let image = exr::prelude::read_first_flat_layer_from_file(path).expect("a height field");
     let exr::prelude::Vec2(width, height) = image.layer_data.size;
-    let texels = image.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
+    let texels: Vec<f32> = image.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
     let wrap = [Wrap::Clamp; 2];
     let (width, height) = (width as u32, height as u32);
-    Map { width, height, channels: 1, texels, wrap, sampling: Sampling::Node, source_bits: 32 }
+    Map { width, height, channels: 1, texels: texels.into(), wrap, sampling: Sampling::Node, source_bits: 32 }
 }

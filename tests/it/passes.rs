@@ -91,12 +91,20 @@ fn detail(layers: impl IntoIterator<Item = Layer>) -> Arc<Detail> {
 
 fn map(size: [u32; 2], channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Map {
     let [width, height] = size;
-    let texels = (0..height)
+    let texels: Vec<f32> = (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
         .flat_map(|(x, y)| (0..channels).map(move |c| (x, y, c)))
         .map(|(x, y, c)| value(x, y, c))
         .collect();
-    Map { width, height, channels, texels, wrap: [Wrap::Repeat; 2], sampling: Sampling::Center, source_bits: 16 }
+    Map {
+        width,
+        height,
+        channels,
+        texels: texels.into(),
+        wrap: [Wrap::Repeat; 2],
+        sampling: Sampling::Center,
+        source_bits: 16,
+    }
 }
 
 /// White noise in [0, 1] in steps of 1 / 65535.

@@ -129,7 +129,7 @@ fn vectors(tangent: bool) -> LayerSource {
         width: 16,
         height: 16,
         channels: 3,
-        texels: (0..3 * 16 * 16).map(texel).collect(),
+        texels: Arc::new((0..3 * 16 * 16).map(texel).collect()),
         wrap: [Wrap::Mirror, Wrap::Repeat],
         sampling: Sampling::Center,
         source_bits: 32,

@@ -50,8 +50,8 @@ fn layer(map: Map, scale: f32, map_from_uv: [[f32; 3]; 2]) -> Layer {
 /// A map of `size` texels with the value `at(x, y)`, in [0, 1].
 fn map(size: [u32; 2], wrap: Wrap, sampling: Sampling, at: impl Fn(u32, u32) -> f32) -> Map {
     let [width, height] = size;
-    let texels = (0..width * height).map(|i| at(i % width, i / width)).collect();
-    Map { width, height, channels: 1, texels, wrap: [wrap; 2], sampling, source_bits: 16 }
+    let texels: Vec<f32> = (0..width * height).map(|i| at(i % width, i / width)).collect();
+    Map { width, height, channels: 1, texels: texels.into(), wrap: [wrap; 2], sampling, source_bits: 16 }
 }
 
 fn smooth(x: u32, y: u32) -> f32 {

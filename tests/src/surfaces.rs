@@ -89,7 +89,7 @@ fn height(size: u32, texels: Vec<f32>) -> LayerSource {
         width: size,
         height: size,
         channels: 1,
-        texels,
+        texels: texels.into(),
         wrap: [Wrap::Repeat; 2],
         sampling: Sampling::Center,
         source_bits: 16,

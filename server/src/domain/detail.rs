@@ -57,7 +57,8 @@ pub struct Map {
     pub width: u32,
     pub height: u32,
     pub channels: u32,
-    pub texels: Vec<f32>,
+    /// Shared with the tables of a mesh that has no other map.
+    pub texels: Arc<Vec<f32>>,
     /// Along u and along v.
     pub wrap: [Wrap; 2],
     pub sampling: Sampling,

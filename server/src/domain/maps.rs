@@ -13,5 +13,7 @@ pub use resolve::{AssetBytes, Details, resolve};
 
 /// Largest width or height of a map.
 pub const MAX_MAP_PIXELS: u32 = 16_384;
-/// Most texels of a map: one stream of 16 pages of 2^22 f32 holds them.
-pub const MAX_MAP_TEXELS: u64 = 1 << 26;
+/// Most texels of a colour map, which is held as four floats a texel.
+const MAX_COLOR_TEXELS: u64 = 1 << 26;
+/// Most bytes that an image may have once it is decoded: 16384 x 16384 pixels of one float, or of four times 16 bits.
+const MAX_DECODED_BYTES: u64 = 2 << 30;

@@ -20,6 +20,8 @@ pub use view::ViewPlan;
 pub const PAGE_ELEMENTS: u64 = 1 << 22;
 /// Pages a shader can see at once, so 64 Mi elements per stream.
 pub const MAX_PAGES: u64 = 16;
+/// Values of all maps of one mesh: words of 4 bytes, so that eight times as many fit a page.
+pub const MAX_TEXELS: u64 = 8 * PAGE_ELEMENTS * MAX_PAGES;
 /// Details are evaluated for so many samples at a time, and what a sample and its derivatives take.
 const SAMPLES: u64 = 1 << 20;
 const SAMPLE_BYTES: u64 = 84;

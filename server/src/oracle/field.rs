@@ -148,8 +148,9 @@ mod tests {
     use super::*;
 
     fn row(n: u32, wrap: Wrap, sampling: Sampling, range: std::ops::Range<i64>) -> Vec<f64> {
-        let texels = (0..n).map(|i| i as f32).collect();
-        let map = Map { width: n, height: 1, channels: 1, texels, wrap: [wrap; 2], sampling, source_bits: 32 };
+        let texels: Vec<f32> = (0..n).map(|i| i as f32).collect();
+        let map =
+            Map { width: n, height: 1, channels: 1, texels: texels.into(), wrap: [wrap; 2], sampling, source_bits: 32 };
         let field = Field::new(&Arc::new(map));
         range.map(|i| field.texel(0, i, 0)).collect()
     }
@@ -171,7 +172,7 @@ mod tests {
         let texels = vec![0.0, 1.0, 2.0, 7.0];
         let wrap = [Wrap::Clamp; 2];
         let sampling = Sampling::Center;
-        let map = Map { width: 2, height: 2, channels: 1, texels, wrap, sampling, source_bits: 32 };
+        let map = Map { width: 2, height: 2, channels: 1, texels: texels.into(), wrap, sampling, source_bits: 32 };
         let field = Field::new(&Arc::new(map));
         assert_eq!(field.value(0, 0.5, 0.5), 2.5);
         assert_eq!(field.value(0, 0.25, 1.0), 3.25);

@@ -48,10 +48,10 @@ pub(super) fn map(random: &mut Random, kind: Kind, [width, height]: [u32; 2]) ->
         (Kind::Bricks, ..) => 0.9,
         (Kind::Constant, ..) => 0.5,
     };
-    let texels = (0..width * height).map(|k| texel(k, random) as f32).collect();
+    let texels: Vec<f32> = (0..width * height).map(|k| texel(k, random) as f32).collect();
     let wrap = [random.pick(&WRAPS), random.pick(&WRAPS)];
     let sampling = random.pick(&[Sampling::Center, Sampling::Node]);
-    Map { width, height, channels: 1, texels, wrap, sampling, source_bits: 32 }
+    Map { width, height, channels: 1, texels: texels.into(), wrap, sampling, source_bits: 32 }
 }
 
 /// Any kind, size, wrap and sampling.

@@ -15,6 +15,8 @@ use super::{
 pub const PAGE_SHIFT: u32 = 22;
 /// Pages a shader can see at once, as `pages.glsl` has it.
 pub const MAX_PAGES: u64 = 16;
+/// Pages of texels hold so many times as many elements, as a power of two: each is a word of 4 bytes, not up to 32.
+const TEXELS_SHIFT: u32 = 3;
 
 /// An array of elements on the device. Dropping it while work that uses it is recorded or runs is fine:
 /// the recorder keeps what it needs.
@@ -24,6 +26,8 @@ pub struct Stream {
     name: String,
     element_bytes: u32,
     len: u64,
+    /// Elements of a page.
+    page_len: u64,
     pages: Vec<Arc<Buffer>>,
 }
 
@@ -31,8 +35,9 @@ impl Stream {
     /// A stream of `len` elements whose contents are undefined until written. `OutOfMemory` if it does not
     /// fit the device's budget.
     pub fn new(device: &Arc<Device>, name: &str, element_bytes: u32, len: u64) -> Result<Self> {
-        let pages = new_pages(device, name, element_bytes, len)?;
-        Ok(Self::from_pages(device, name, element_bytes, len, pages))
+        let page_len = 1 << device.page_shift();
+        let pages = new_pages(device, name, element_bytes, len, page_len)?;
+        Ok(Self::from_pages(device, name, element_bytes, len, page_len, pages))
     }
 
     /// A stream that holds `elements`.
@@ -44,23 +49,16 @@ impl Stream {
 
     /// A stream written in place by `write(first, elements)`, called for successive ranges. Where the
     /// device's memory is the host's, nothing is copied. `elements` holds garbage before it is written.
-    pub fn build<T: Pod>(
-        device: &Arc<Device>,
-        name: &str,
-        len: u64,
-        mut write: impl FnMut(u64, &mut [T]),
-    ) -> Result<Self> {
-        let element_bytes = size_of::<T>() as u32;
-        let mut pages = new_pages(device, name, element_bytes, len)?;
-        let page_len = 1u64 << device.page_shift();
-        for (index, page) in pages.iter_mut().enumerate() {
-            let first = index as u64 * page_len;
-            device.upload(page, u64::from(element_bytes), |offset, bytes| {
-                write(first + offset / u64::from(element_bytes), cast_mut(bytes)?);
-                Ok(())
-            })?;
-        }
-        Ok(Self::from_pages(device, name, element_bytes, len, pages))
+    pub fn build<T: Pod>(device: &Arc<Device>, name: &str, len: u64, write: impl FnMut(u64, &mut [T])) -> Result<Self> {
+        Self::build_paged(device, name, len, 1 << device.page_shift(), write)
+    }
+
+    /// The values of maps, for shaders that read them by `LOAD_TEXEL`.
+    pub fn of_texels(device: &Arc<Device>, texels: &[f32]) -> Result<Self> {
+        let page_len = 1 << (device.page_shift() + TEXELS_SHIFT);
+        Self::build_paged(device, "texels", texels.len() as u64, page_len, |first, page: &mut [f32]| {
+            page.copy_from_slice(&texels[first as usize..][..page.len()]);
+        })
     }
 
     /// Elements.
@@ -109,7 +107,7 @@ impl Stream {
         if range.start > range.end || range.end > self.len {
             return Err(Error::internal(format!("'{}' has no elements {range:?}, it has {}", self.name, self.len)));
         }
-        let (page_len, stride) = (1u64 << self.device.page_shift(), u64::from(self.element_bytes));
+        let (page_len, stride) = (self.page_len, u64::from(self.element_bytes));
         for (index, page) in self.pages.iter().enumerate() {
             let first = index as u64 * page_len;
             let start = range.start.max(first);
@@ -129,9 +127,35 @@ impl Stream {
         &self.pages
     }
 
-    fn from_pages(device: &Arc<Device>, name: &str, element_bytes: u32, len: u64, pages: Vec<Buffer>) -> Self {
+    fn build_paged<T: Pod>(
+        device: &Arc<Device>,
+        name: &str,
+        len: u64,
+        page_len: u64,
+        mut write: impl FnMut(u64, &mut [T]),
+    ) -> Result<Self> {
+        let element_bytes = size_of::<T>() as u32;
+        let mut pages = new_pages(device, name, element_bytes, len, page_len)?;
+        for (index, page) in pages.iter_mut().enumerate() {
+            let first = index as u64 * page_len;
+            device.upload(page, u64::from(element_bytes), |offset, bytes| {
+                write(first + offset / u64::from(element_bytes), cast_mut(bytes)?);
+                Ok(())
+            })?;
+        }
+        Ok(Self::from_pages(device, name, element_bytes, len, page_len, pages))
+    }
+
+    fn from_pages(
+        device: &Arc<Device>,
+        name: &str,
+        element_bytes: u32,
+        len: u64,
+        page_len: u64,
+        pages: Vec<Buffer>,
+    ) -> Self {
         let pages = pages.into_iter().map(Arc::new).collect();
-        Self { device: device.clone(), name: name.into(), element_bytes, len, pages }
+        Self { device: device.clone(), name: name.into(), element_bytes, len, page_len, pages }
     }
 
     /// How many `T` an element is.
@@ -145,8 +169,7 @@ impl Stream {
 }
 
 /// The buffers of a stream, charged and allocated one by one; all are given back if one does not fit.
-fn new_pages(device: &Device, name: &str, element_bytes: u32, len: u64) -> Result<Vec<Buffer>> {
-    let page_len = 1u64 << device.page_shift();
+fn new_pages(device: &Device, name: &str, element_bytes: u32, len: u64, page_len: u64) -> Result<Vec<Buffer>> {
     let stride = u64::from(element_bytes);
     if element_bytes == 0 || !element_bytes.is_multiple_of(4) {
         return Err(Error::internal(format!("'{name}' has elements of {element_bytes} bytes; words of 4 are allowed")));

@@ -28,7 +28,7 @@ fn vector_map(size: u32, seed: u32, tangent: bool) -> LayerSource {
         width: size,
         height: size,
         channels: 3,
-        texels: (0..3 * size * size).map(texel).collect(),
+        texels: Arc::new((0..3 * size * size).map(texel).collect()),
         wrap: [Wrap::Mirror, Wrap::Repeat],
         sampling: Sampling::Center,
         source_bits: 32,

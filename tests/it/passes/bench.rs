@@ -66,7 +66,7 @@ fn displacement_against_a_native_loop() {
     let mut out = vec![[0.0f32; 3]; COUNT];
     let upload = |name, data: &[[f32; 4]]| Stream::from_slice(executor.device(), name, data).expect("fits");
     let (position_u, direction_v) = (upload("p", &p), upload("d", &d));
-    let texels = Stream::from_slice(executor.device(), "texels", &map.texels).expect("fits");
+    let texels = Stream::of_texels(executor.device(), &map.texels).expect("fits");
     let positions = Stream::new(executor.device(), "positions", 12, COUNT as u64).expect("fits");
     let params = DisplaceParams { count: COUNT as u32, first: 0, accumulate: 0, layer: tables.layers[0] };
     let dispatch = || {

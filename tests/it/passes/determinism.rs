@@ -51,8 +51,8 @@ fn pages_staging_and_batches_change_no_byte() {
         Testing { batch: Some(1), ..Testing::default() },
     ];
     let details = [
-        height(noise([64, 64], 1), 0.2),
-        detail([layer(LayerSource::VectorTangent(Arc::new(noise([32, 32], 3))), 0.1, 0.5)]),
+        height(noise([128, 96], 1), 0.2),
+        detail([layer(LayerSource::VectorTangent(Arc::new(noise([64, 64], 3))), 0.1, 0.5)]),
         expression("0.05*sin(20*x)*cos(9*u)", 1.0),
     ];
     for testing in ways {

@@ -44,7 +44,7 @@ fn on_device(places: &Places<'_>) -> Vec<MapBlock> {
     let cancel = Cancel::default();
     let job = JobContext { cancel: &cancel, progress: &NoProgress };
     let layers = Stream::from_slice(device(), "layers", &places.tables.layers).expect("fits");
-    let texels = Stream::from_slice(device(), "texels", &places.tables.texels).expect("fits");
+    let texels = Stream::of_texels(device(), &places.tables.texels).expect("fits");
     let made = Pyramids::new(&job, device(), places, &layers, &texels).expect("runs");
     made.blocks.read().expect("reads")
 }

@@ -122,14 +122,24 @@ fn tessellation_at_texels_and_of_several_layers_is_as_frugal() {
 #[test]
 fn tessellation_on_the_device_is_the_same_every_time_and_in_small_pages() {
     let layers = vec![layer(map([17, 17], Wrap::Repeat, Sampling::Center, noise), 0.05, IDENTITY)];
-    let subject = Subject::new(&meshes::cube(), 3.0, layers);
-    let plan = plan(0.012, ErrorAt::Surface);
-    let once = on_device(&subject, &plan).mesh.triangles;
-    assert!(on_device(&subject, &plan).mesh.triangles == once);
+    let cube = (Subject::new(&meshes::cube(), 3.0, layers), plan(0.012, ErrorAt::Surface));
+    // Three pages of texels, of 2^17 each.
+    let layers = vec![layer(map([600, 500], Wrap::Clamp, Sampling::Node, |x, y| hill([x, y], 250.0)), 0.2, IDENTITY)];
+    let plane = (Subject::new(&meshes::plane(1), 3.0, layers), plan(0.004, ErrorAt::Surface));
     let testing = Testing { page_shift: Some(14), batch: Some(1), ..Testing::default() };
     let paged = Device::open(&DeviceOptions { validation: true, testing, ..DeviceOptions::default() }).expect("opens");
-    assert!(on(&paged, &subject, &plan).mesh.triangles == once);
+    for (subject, plan) in [cube, plane] {
+        let once = on_device(&subject, &plan).mesh.triangles;
+        assert!(once.len() > 12 && on_device(&subject, &plan).mesh.triangles == once);
+        assert!(on(&paged, &subject, &plan).mesh.triangles == once);
+    }
     assert_eq!(paged.validation_messages(), Vec::<String>::new());
+}
+
+/// A hill on a plain: large regions are flat.
+fn hill(at: [u32; 2], middle: f32) -> f32 {
+    let [dx, dy] = at.map(|x| (x as f32 - middle) / 150.0);
+    0.25 + 0.5 * (-dx * dx - dy * dy).exp()
 }
 
 #[test]
@@ -148,11 +158,7 @@ fn what_a_device_has_no_room_for_is_done_on_the_host_and_told() {
 
 #[test]
 fn two_triangles_under_a_large_map_become_as_few_as_with_the_twin() {
-    // A hill on a plain: large regions are flat.
-    let hill = |x: u32, y: u32| {
-        let [dx, dy] = [x, y].map(|x| (x as f32 - 1400.0) / 150.0);
-        0.25 + 0.5 * (-dx * dx - dy * dy).exp()
-    };
-    let layers = vec![layer(map([2048, 2048], Wrap::Clamp, Sampling::Node, hill), 0.2, IDENTITY)];
+    let hill = map([2048, 2048], Wrap::Clamp, Sampling::Node, |x, y| hill([x, y], 1400.0));
+    let layers = vec![layer(hill, 0.2, IDENTITY)];
     check("hill", &Subject::new(&meshes::plane(1), 3.0, layers), &plan(0.004, ErrorAt::Surface));
 }

@@ -46,8 +46,16 @@ pub(super) fn map(size: u32, channels: u32, wrap: Wrap, sampling: Sampling, nois
         let turn = |x: u32| (std::f32::consts::TAU * (x as f32 / size as f32 + 0.1 * channel as f32)).sin();
         noise.map_or(0.5 + 0.4 * turn(x) * turn(y), |seed| (maps::hash(x, y, seed + channel) >> 16) as f32 / 65535.0)
     };
-    let texels = (0..channels * size * size).map(value).collect();
-    Arc::new(Map { width: size, height: size, channels, texels, wrap: [wrap; 2], sampling, source_bits: 32 })
+    let texels: Vec<f32> = (0..channels * size * size).map(value).collect();
+    Arc::new(Map {
+        width: size,
+        height: size,
+        channels,
+        texels: texels.into(),
+        wrap: [wrap; 2],
+        sampling,
+        source_bits: 32,
+    })
 }
 
 fn source(random: &mut StdRng) -> (String, LayerSource) {

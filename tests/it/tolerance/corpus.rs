@@ -63,7 +63,7 @@ fn window(image: &image::RgbImage, random: &mut StdRng, channels: u32) -> Arc<Ma
         width: WINDOW,
         height: WINDOW,
         channels,
-        texels: (0..channels * WINDOW * WINDOW).map(value).collect(),
+        texels: Arc::new((0..channels * WINDOW * WINDOW).map(value).collect()),
         wrap: [[Wrap::Repeat, Wrap::Mirror, Wrap::Clamp][random.random_range(0..3)]; 2],
         sampling: [Sampling::Center, Sampling::Node][random.random_range(0..2)],
         source_bits: 8,

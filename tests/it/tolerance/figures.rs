@@ -21,12 +21,12 @@ fn within(tolerance: f64) -> Geometry {
 }
 
 fn height(size: u32, at: impl Fn(u32, u32) -> f32) -> Arc<Detail> {
-    let texels = (0..size * size).map(|i| at(i % size, i / size)).collect();
+    let texels: Vec<f32> = (0..size * size).map(|i| at(i % size, i / size)).collect();
     let map = Map {
         width: size,
         height: size,
         channels: 1,
-        texels,
+        texels: texels.into(),
         wrap: [Wrap::Clamp; 2],
         sampling: Sampling::Node,
         source_bits: 32,

@@ -22,12 +22,12 @@ fn within(tolerance: f64, max_triangles: Option<u64>) -> Geometry {
 /// Hills that repeat with the unit square.
 fn hills(size: u32, scale: f32) -> Arc<Detail> {
     let turn = |k: u32, times: f32| (std::f32::consts::TAU * times * k as f32 / size as f32).sin();
-    let texels = (0..size * size).map(|k| turn(k % size, 2.0) * turn(k / size, 3.0)).collect();
+    let texels: Vec<f32> = (0..size * size).map(|k| turn(k % size, 2.0) * turn(k / size, 3.0)).collect();
     let map = Map {
         width: size,
         height: size,
         channels: 1,
-        texels,
+        texels: texels.into(),
         wrap: [Wrap::Repeat; 2],
         sampling: Sampling::Center,
         source_bits: 32,

@@ -74,7 +74,15 @@ mod tests {
 
     fn map(channels: u32, texels: Vec<f32>) -> Arc<Map> {
         let wrap = [Wrap::Repeat; 2];
-        Arc::new(Map { width: 2, height: 1, channels, texels, wrap, sampling: Sampling::Center, source_bits: 32 })
+        Arc::new(Map {
+            width: 2,
+            height: 1,
+            channels,
+            texels: texels.into(),
+            wrap,
+            sampling: Sampling::Center,
+            source_bits: 32,
+        })
     }
 
     #[test]

@@ -2,12 +2,22 @@
 
 use rayon::prelude::*;
 
-use super::pixels::{Pixels, Values, decode};
-use crate::domain::{Result, image::ColorMap};
+use super::{
+    MAX_COLOR_TEXELS,
+    pixels::{Pixels, Values, decode},
+};
+use crate::domain::{Error, Result, image::ColorMap};
 
 /// Decodes a colour image: 8-bit and 16-bit values are sRGB, floats are linear. Alpha is always linear.
 pub fn color_map(field: &str, bytes: &[u8]) -> Result<ColorMap> {
     let pixels = decode(field, bytes)?;
+    let (width, height) = (pixels.width, pixels.height);
+    if u64::from(width) * u64::from(height) > MAX_COLOR_TEXELS {
+        let message = format!(
+            "the colour map has {width} x {height} pixels; allowed are {MAX_COLOR_TEXELS} in all: scale it down"
+        );
+        return Err(Error::too_large(field, message));
+    }
     let texels = match &pixels.values {
         Values::U8(values) => {
             let table: Vec<f32> = (0..=255u8).map(|v| linear_from_srgb(f32::from(v) / 255.0)).collect();
@@ -18,7 +28,7 @@ pub fn color_map(field: &str, bytes: &[u8]) -> Result<ColorMap> {
         }
         Values::F32(values) => gathered(&pixels, values, |v| v.max(0.0), |v| v.clamp(0.0, 1.0)),
     };
-    Ok(ColorMap { width: pixels.width, height: pixels.height, texels })
+    Ok(ColorMap { width, height, texels })
 }
 
 fn gathered<T: Copy + Sync>(

@@ -9,7 +9,7 @@ use tiff::{
 };
 
 use super::{
-    MAX_MAP_TEXELS,
+    MAX_DECODED_BYTES,
     pixels::{Pixels, Values, check_size},
 };
 use crate::domain::{Error, Result};
@@ -22,10 +22,11 @@ pub(super) fn decode(field: &str, bytes: &[u8]) -> Result<Option<Pixels>> {
     // What the header alone cannot be read from is for the general reader to tell of.
     let Ok(mut decoder) = open(bytes) else { return Ok(None) };
     let Ok((width, height)) = decoder.dimensions() else { return Ok(None) };
-    if !matches!(decoder.colortype(), Ok(ColorType::Gray(16 | 32 | 64))) || !holds_floats(&mut decoder) {
+    let Ok(ColorType::Gray(bits @ (16 | 32 | 64))) = decoder.colortype() else { return Ok(None) };
+    if !holds_floats(&mut decoder) {
         return Ok(None);
     }
-    check_size(field, width, height)?;
+    check_size(field, width, height, u64::from(bits) / 8)?;
     let unreadable = |cause: tiff::TiffError| {
         Error::invalid(field, format!("the TIFF file cannot be decoded ({cause}); write it anew, or give OpenEXR"))
     };
@@ -40,7 +41,7 @@ pub(super) fn decode(field: &str, bytes: &[u8]) -> Result<Option<Pixels>> {
 
 fn open(bytes: &[u8]) -> TiffResult<Decoder<Cursor<&[u8]>>> {
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = 8 * MAX_MAP_TEXELS as usize;
+    limits.decoding_buffer_size = MAX_DECODED_BYTES as usize;
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     Ok(Decoder::new(Cursor::new(bytes))?.with_limits(limits))
 }

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 use rayon::prelude::*;
 
-use super::{MAX_MAP_PIXELS, MAX_MAP_TEXELS, float_tiff};
+use super::{MAX_DECODED_BYTES, MAX_MAP_PIXELS, float_tiff};
 use crate::domain::{Error, Result};
 
 /// A decoded image, channels interleaved, top row first.
@@ -90,7 +90,8 @@ pub fn decode(field: &str, bytes: &[u8]) -> Result<Pixels> {
     Ok(pixels)
 }
 
-pub(super) fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
+/// `pixel_bytes`: of a decoded pixel.
+pub(super) fn check_size(field: &str, width: u32, height: u32, pixel_bytes: u64) -> Result<()> {
     if width == 0 || height == 0 || width > MAX_MAP_PIXELS || height > MAX_MAP_PIXELS {
         return Err(Error::too_large(
             field,
@@ -99,11 +100,12 @@ pub(super) fn check_size(field: &str, width: u32, height: u32) -> Result<()> {
             ),
         ));
     }
-    if u64::from(width) * u64::from(height) > MAX_MAP_TEXELS {
-        return Err(Error::too_large(
-            field,
-            format!("the image has {width} x {height} pixels; allowed are {MAX_MAP_TEXELS} in all: scale it down"),
-        ));
+    let bytes = u64::from(width) * u64::from(height) * pixel_bytes;
+    if bytes > MAX_DECODED_BYTES {
+        let message = format!(
+            "the image has {bytes} bytes once it is decoded ({width} x {height} pixels of {pixel_bytes}); allowed are {MAX_DECODED_BYTES}: scale it down, or give one channel of 8 or 16 bits"
+        );
+        return Err(Error::too_large(field, message));
     }
     Ok(())
 }
@@ -119,11 +121,11 @@ fn plain(field: &str, bytes: &[u8]) -> Result<Pixels> {
         .with_guessed_format()
         .map_err(|e| Error::invalid(field, "the image cannot be read").with_cause(e))?;
     let mut limits = Limits::default();
-    limits.max_alloc = Some(2 << 30);
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
-    check_size(field, width, height)?;
+    check_size(field, width, height, u64::from(decoder.color_type().bytes_per_pixel()))?;
     let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
     let channels = usize::from(image.color().channel_count());
     let values = match image {
@@ -156,7 +158,8 @@ fn exr(field: &str, bytes: &[u8]) -> Result<Pixels> {
     };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     for header in &meta.headers {
-        check_size(field, header.layer_size.0 as u32, header.layer_size.1 as u32)?;
+        let pixel_bytes = 4 * header.channels.list.len() as u64;
+        check_size(field, header.layer_size.0 as u32, header.layer_size.1 as u32, pixel_bytes)?;
     }
     let image = read()
         .no_deep_data()
@@ -220,6 +223,15 @@ mod tests {
         for length in 0..bytes.len() - 12 {
             let error = decode("details[0].height", &bytes[..length]).expect_err("truncated");
             assert_eq!(error.field.as_deref(), Some("details[0].height"), "{length}");
+        }
+    }
+
+    #[test]
+    fn maps_have_up_to_16384_pixels_each_way_and_2_gib_decoded() {
+        assert!(check_size("height", 16_384, 16_384, 4).is_ok() && check_size("height", 16_384, 16_384, 8).is_ok());
+        for (width, height, pixel_bytes) in [(0, 5, 1), (16_385, 1, 1), (16_384, 16_384, 12)] {
+            let error = check_size("height", width, height, pixel_bytes).expect_err("too large");
+            assert!(error.message.contains(&format!("{width} x {height}")), "{}", error.message);
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::domain::{
     Digest, Error, ErrorKind, Result,
     detail::{Detail, Layer, LayerSource, Map, Sampling, Wrap},
     expression::Program,
+    plan::MAX_TEXELS,
     request::{Channel, LayerRequest, MapRequest, MaterialDetail, Preset, SourceRequest, Space, Swizzle},
     scene::{MaterialDisplacement, Scene},
 };
@@ -104,8 +105,8 @@ struct Resolver<'a> {
     maps: RefCell<HashMap<String, Arc<Map>>>,
 }
 
-/// Values of all maps of one job together: 1 GiB.
-const MAX_VALUES: u64 = 1 << 28;
+/// Values of all maps of one job together: 2 GiB.
+const MAX_VALUES: u64 = MAX_TEXELS;
 const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const FLIPPED_V: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
 
@@ -235,7 +236,7 @@ impl Resolver<'_> {
                 width: pixels.width,
                 height: pixels.height,
                 channels: 1,
-                texels: pixels.texels([0], |_, v| factor * v + offset),
+                texels: Arc::new(pixels.texels([0], |_, v| factor * v + offset)),
                 wrap,
                 sampling: Sampling::Center,
                 source_bits: pixels.bits(),
@@ -271,7 +272,7 @@ fn map(field: &str, pixels: &Pixels, channels: u32, texels: Vec<f32>, request: &
         width: pixels.width,
         height: pixels.height,
         channels,
-        texels,
+        texels: texels.into(),
         wrap,
         sampling: request.sampling,
         source_bits: pixels.bits(),

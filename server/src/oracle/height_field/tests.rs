@@ -14,7 +14,7 @@ use crate::oracle::{
 
 fn field(width: u32, height: u32, texels: &[f32], wrap: Wrap) -> Field {
     let (texels, wrap, sampling) = (texels.to_vec(), [wrap; 2], Sampling::Center);
-    Field::new(&Arc::new(Map { width, height, channels: 1, texels, wrap, sampling, source_bits: 32 }))
+    Field::new(&Arc::new(Map { width, height, channels: 1, texels: texels.into(), wrap, sampling, source_bits: 32 }))
 }
 
 fn segment(origin: [f64; 3], direction: [f64; 3], to: f64) -> Segment {

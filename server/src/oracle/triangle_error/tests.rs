@@ -39,7 +39,15 @@ impl Case {
 
 fn field(width: u32, height: u32, texels: Vec<f32>, wrap: Wrap) -> Field {
     let wrap = [wrap; 2];
-    Field::new(&Arc::new(Map { width, height, channels: 1, texels, wrap, sampling: Sampling::Center, source_bits: 32 }))
+    Field::new(&Arc::new(Map {
+        width,
+        height,
+        channels: 1,
+        texels: texels.into(),
+        wrap,
+        sampling: Sampling::Center,
+        source_bits: 32,
+    }))
 }
 
 /// Some of them needles and points, some with corners on the lattice, some far away. `size` is in texels.

@@ -10,7 +10,7 @@ use displace_glsl::{
 use crate::domain::{
     Error, Result,
     detail::{Detail, Layer as DetailLayer, LayerSource, Map, Sampling, Wrap},
-    plan::{MAX_PAGES, PAGE_ELEMENTS},
+    plan::MAX_TEXELS,
 };
 
 /// Far outside every map, and exact in f32.
@@ -60,16 +60,17 @@ pub fn fill(tables: &mut Tables, numbering: &Numbering) -> Result<()> {
         }
         tables.details.push(Range { start: first, end: tables.layers.len() as u32 });
     }
-    tables.texels = arena.texels;
+    tables.texels = arena.texels();
     tables.instructions = arena.instructions;
     Ok(())
 }
 
 #[derive(Default)]
 struct Arena {
-    texels: Vec<f32>,
+    /// How many values the maps hold together.
+    values: u64,
     instructions: Vec<Instruction>,
-    /// Maps already in the arena, and where.
+    /// Maps in the arena one after the other, and where each begins.
     maps: Vec<(Arc<Map>, u32)>,
 }
 
@@ -120,17 +121,24 @@ impl Arena {
         if let Some((_, first)) = self.maps.iter().find(|(known, _)| Arc::ptr_eq(known, map)) {
             return Ok(*first);
         }
-        let first = self.texels.len();
-        let limit = PAGE_ELEMENTS * MAX_PAGES;
-        if (first + map.texels.len()) as u64 > limit {
+        let first = self.values;
+        self.values += map.texels.len() as u64;
+        if self.values > MAX_TEXELS {
             return Err(Error::too_large(
                 "details",
-                format!("the maps of one mesh hold more than {limit} values together: use smaller or fewer maps"),
+                format!("the maps of one mesh hold more than {MAX_TEXELS} values together: use smaller or fewer maps"),
             ));
         }
-        self.texels.extend_from_slice(&map.texels);
         self.maps.push((Arc::clone(map), first as u32));
         Ok(first as u32)
+    }
+
+    /// Of all maps; those of one alone are not copied: they may take a gigabyte.
+    fn texels(&self) -> Arc<Vec<f32>> {
+        match self.maps.as_slice() {
+            [(only, _)] => Arc::clone(&only.texels),
+            all => Arc::new(all.iter().flat_map(|(map, _)| map.texels.iter().copied()).collect()),
+        }
     }
 }
 

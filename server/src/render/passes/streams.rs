@@ -60,7 +60,7 @@ impl BaseStreams {
             patch_points: Stream::from_slice(device, "patch_points", points)?,
             triangle_facing: Stream::from_slice(device, "triangle_facing", &t.triangle_facing)?,
             layers: Stream::from_slice(device, "layers", &t.layers)?,
-            texels: Stream::from_slice(device, "texels", &t.texels)?,
+            texels: Stream::of_texels(device, &t.texels)?,
             instructions: Stream::from_slice(device, "instructions", &t.instructions)?,
             contribution_first: Stream::from_slice(device, "contribution_first", &t.contribution_first)?,
             contributions: Stream::from_slice(device, "contributions", &t.contributions)?,

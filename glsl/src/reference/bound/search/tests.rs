@@ -54,8 +54,8 @@ fn map(numbers: &mut Numbers) -> Tables {
     let tilt = [0; 2].map(|_| numbers.below(3) as f32);
     let mut texel =
         |k: i32| (k % width) as f32 * tilt[0] + (k / width) as f32 * tilt[1] + rough * numbers.share() as f32;
-    let texels = (0..width * height).map(&mut texel).collect();
-    Tables { layers: vec![layer], texels, ..Tables::default() }
+    let texels: Vec<f32> = (0..width * height).map(&mut texel).collect();
+    Tables { layers: vec![layer], texels: texels.into(), ..Tables::default() }
 }
 
 fn corners(numbers: &mut Numbers, lattice: &Lattice<'_>) -> [MapPlace; 3] {

@@ -68,7 +68,7 @@ impl Maps {
         asked: Asked,
     ) -> Result<Self> {
         let layers = Stream::from_slice(device, "layers", &places.tables.layers)?;
-        let texels = Stream::from_slice(device, "texels", &places.tables.texels)?;
+        let texels = Stream::of_texels(device, &places.tables.texels)?;
         Ok(Self {
             device: Arc::clone(device),
             pyramids: Pyramids::new(job, device, places, &layers, &texels)?,
