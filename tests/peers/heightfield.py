@@ -47,12 +47,13 @@ class Deviation:
 
 
 def read_field(path: Path) -> np.ndarray:
-    """The first channel of an EXR or the values of a PNG, v/255 or v/65535."""
+    """The first channel of an EXR, the floats of a TIFF, or the values of a PNG, v/255 or v/65535."""
     if path.suffix == ".exr":
         values = np.array(mi.Bitmap(str(path)), np.float32)
     else:
         values = np.asarray(Image.open(path))
-        values = (values / (255 if values.dtype == np.uint8 else 65535)).astype(np.float32)
+        if not np.issubdtype(values.dtype, np.floating):
+            values = (values / (255 if values.dtype == np.uint8 else 65535)).astype(np.float32)
     values = values[..., 0] if values.ndim == 3 else values
     cells = values.shape[0] - 1
     if values.shape[0] != values.shape[1] or cells < 2 or cells & (cells - 1):
@@ -63,8 +64,11 @@ def read_field(path: Path) -> np.ndarray:
 
 
 def write_field(path: Path, field: np.ndarray) -> Path:
-    """An EXR of one f32 channel, `Y`."""
-    mi.Bitmap(field[..., None]).write(str(path))
+    """An EXR of one f32 channel, `Y`, or a TIFF of floats that are not packed."""
+    if path.suffix == ".tiff":
+        Image.fromarray(field).save(path)
+    else:
+        mi.Bitmap(field[..., None]).write(str(path))
     return path
 
 

@@ -5,6 +5,7 @@ out what a process costs before its work: for Node, all but the call; for `displ
 3 x 3 texels. What is left of ours still reads the map and writes the GLB; what is left of theirs has the heights in memory.
 """
 
+import copy
 import dataclasses
 import json
 import os
@@ -107,7 +108,12 @@ class Displace:
         self.command = [binary.resolve(), "apply", heightfield.write_plane(out / "plane.glb")]
         self.flags = ["--scale", SCALE, "--sampling", "node", "--json", "--fresh", "--quiet"]
         self.flags += ["--device", device] if device else []
-        self.out, self.starts = out, {}
+        self.out, self.starts, self.environment = out, {}, {}
+
+    def on_one_thread(self) -> "Displace":
+        alone = copy.copy(self)
+        alone.starts, alone.environment = {}, {"RAYON_NUM_THREADS": "1"}
+        return alone
 
     def run(self, file: Path, tolerance: float, error_at: str) -> tuple[dict, float]:
         bound = ["--tolerance-world", repr(SCALE * tolerance)]
@@ -118,7 +124,7 @@ class Displace:
     def apply(self, file: Path, flags: list) -> tuple[dict, float]:
         """The report and processor seconds of `ours.glb`; nothing is stored."""
         with tempfile.TemporaryDirectory() as store:
-            ran = run([*self.command, "--height", file, *self.flags, *flags, "-o", self.out / "ours.glb"], XDG_DATA_HOME=store)
+            ran = run([*self.command, "--height", file, *self.flags, *flags, "-o", self.out / "ours.glb"], XDG_DATA_HOME=store, **self.environment)
         return json.loads(ran.text), ran.cpu_s
 
     def start_s(self, error_at: str) -> float:

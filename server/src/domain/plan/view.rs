@@ -16,12 +16,14 @@ pub struct ViewPlan {
     pub depth_from_local: [f64; 4],
     /// What lies nearer is held to what holds at this depth.
     pub near_world: f64,
-    /// Largest distance allowed at depth 1, local units: `tolerance_px` pixels of that depth, over
-    /// sqrt(1 + tan^2 a) with a half the diagonal field of view, over the most that the instance enlarges.
-    ///
-    /// The root, because a shift along the ray moves what is not on the axis: the projection (x, y) / depth turns a
-    /// unit shift at tangents (s, t) from the axis into up to sqrt(1 + s^2 + t^2) / depth.
+    /// Largest distance allowed at depth 1 in the corner of the image, local units: `tolerance_px` pixels of that depth,
+    /// times `least_cosine`, over `largest_scale`.
     pub tolerance_at_unit_depth: f64,
+    /// Of the angle between the axis and the ray through the image's corner.
+    ///
+    /// A shift along the ray moves what is not on the axis: the projection (x, y) / depth turns a unit shift at tangents
+    /// (s, t) from the axis into up to sqrt(1 + s^2 + t^2) / depth, which is 1 / (cosine of the ray's angle x depth).
+    pub least_cosine: f64,
     /// Right, left, top and bottom side, and the plane through the eye: n . p + d >= 0 inside, |n| = 1, local units.
     /// A plane that a flattened instance lies along is left out.
     pub planes_local: Vec<[f64; 4]>,
@@ -29,6 +31,8 @@ pub struct ViewPlan {
     pub eye_local: [f64; 3],
     /// Least that the instance enlarges a distance, world units for a local unit.
     pub least_scale: f64,
+    /// Most that it does.
+    pub largest_scale: f64,
 }
 
 impl ViewPlan {
@@ -49,15 +53,16 @@ impl ViewPlan {
         let across = upright * f64::from(view.width) / f64::from(view.height);
         let pixel = 2.0 * upright / f64::from(view.height);
         let sides = sides(across, upright).map(|plane| rows_from_view * plane);
+        let least_cosine = 1.0 / (1.0 + upright * upright + across * across).sqrt();
         Ok(Self {
             depth_from_local: (rows_from_view * DVec4::new(0.0, 0.0, -1.0, 0.0)).to_array(),
             near_world,
-            tolerance_at_unit_depth: tolerance_px * pixel
-                / (1.0 + upright * upright + across * across).sqrt()
-                / largest_scale,
+            tolerance_at_unit_depth: tolerance_px * pixel * least_cosine / largest_scale,
+            least_cosine,
             planes_local: sides.into_iter().filter_map(|plane| unit(plane, FLAT * largest_scale)).collect(),
             eye_local: if least_scale > 0.0 { world.inverse().transform_point3(eye).to_array() } else { [0.0; 3] },
             least_scale,
+            largest_scale,
         })
     }
 
@@ -68,7 +73,8 @@ impl ViewPlan {
     }
 
     /// Largest distance allowed to what lies in the sphere, local units: `tolerance_at_unit_depth` for each world unit
-    /// of the sphere's least depth, at least of `near_world`.
+    /// of the sphere's least depth, at least of `near_world`, and as much more as all of the sphere is nearer to the axis
+    /// than the image's corner.
     ///
     /// A sphere wholly outside a plane has its least distance to the eye for depth, as if the view looked there, and
     /// [`Self::UNSEEN`] times as much is allowed. Its distance to the eye's own plane, ahead or behind, is as safe.
@@ -77,11 +83,20 @@ impl ViewPlan {
         let row = DVec4::from_array(self.depth_from_local);
         let reach = radius * row.truncate().length();
         let depth = row.dot(centre.extend(1.0)).abs() - reach;
+        let away = centre.distance(DVec3::from_array(self.eye_local));
         if !self.is_outside(centre, radius) {
-            return depth.max(self.near_world) * self.tolerance_at_unit_depth;
+            let cosine = self.cosine(depth, (away + radius) * self.largest_scale);
+            return depth.max(self.near_world) * self.tolerance_at_unit_depth * (cosine / self.least_cosine);
         }
-        let distance = (centre.distance(DVec3::from_array(self.eye_local)) - radius) * self.least_scale;
+        let distance = (away - radius) * self.least_scale;
         Self::UNSEEN * distance.max(depth).max(self.near_world) * self.tolerance_at_unit_depth
+    }
+
+    /// No more than that of the angle between the axis and any place so deep or deeper and no farther from the eye.
+    fn cosine(&self, depth: f64, away_world: f64) -> f64 {
+        // A flattened instance tells no place of the eye.
+        let least = if self.least_scale > 0.0 && depth > 0.0 { depth / away_world } else { 0.0 };
+        least.clamp(self.least_cosine, 1.0)
     }
 
     /// The least depth of what this view sees of a triangle, world units, where that is nearer than `near_world`: it is
