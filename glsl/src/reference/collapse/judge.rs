@@ -12,7 +12,7 @@ use super::{
 use crate::{
     layout::refine::{RefinedVertex, kind},
     reference::{
-        bound::{Asked, bound_in_map},
+        bound::{Asked, bound_in_map, is_quick},
         place::Places,
     },
 };
@@ -160,8 +160,12 @@ impl Judge<'_> {
     }
 
     fn error_at(&self, triangle: &Triangle<'_>, most: f64) -> f64 {
-        let tolerance = (self.tolerance)(triangle.positions());
-        bound_in_map(self.places, self.asked, triangle.base(), triangle.shares(), triangle.in_map(), tolerance, most)
+        let (base, in_map) = (triangle.base(), triangle.in_map());
+        let find = || {
+            let tolerance = (self.tolerance)(triangle.positions());
+            bound_in_map(self.places, self.asked, base, triangle.shares(), in_map, tolerance, most)
+        };
+        if is_quick(self.places, base, &in_map) { find() } else { self.mesh.found.of(triangle.facet(), most, find) }
     }
 
     /// The larger error of what turning the side ab between the triangles abc and bad makes, below `most`; none where
