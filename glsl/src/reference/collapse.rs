@@ -51,19 +51,19 @@ pub enum Candidate {
     /// It may not go anywhere.
     #[default]
     None,
-    /// Any way costs at least this.
-    AtLeast { error: f64 },
+    /// It may go, and is guessed to cost this.
+    Guess { error: f64 },
     /// The largest error of the triangles that come of drawing it there, the way that costs least.
     To { vertex: u32, error: f64 },
 }
 
 impl Candidate {
-    /// No less than what is known.
+    /// What is known, or guessed.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         match self {
             Self::None => None,
-            Self::AtLeast { error } | Self::To { error, .. } => Some(*error),
+            Self::Guess { error } | Self::To { error, .. } => Some(*error),
         }
     }
 }

@@ -39,15 +39,15 @@ struct Move {
 const LEAST_TURN: f64 = 0.5;
 
 impl Judge<'_> {
-    /// What is quickly known: what is lost at the vertex itself.
+    /// What is quickly known: what is lost at the vertex itself; no less than `before`, what it may have cost before.
     #[must_use]
-    pub fn estimate(&self, vertex: u32) -> Candidate {
+    pub fn guess(&self, vertex: u32, before: f64) -> Candidate {
         let mut star = Star::default();
         if !self.gather(&mut star, vertex) {
             return Candidate::None;
         }
         let least = self.moves(&star, vertex).map(|planned| planned.least).min_by(f64::total_cmp);
-        least.map_or(Candidate::None, |error| Candidate::AtLeast { error })
+        least.map_or(Candidate::None, |error| Candidate::Guess { error: error.max(before) })
     }
 
     /// The neighbour that costs least, of equal ones the one with the lowest key.
