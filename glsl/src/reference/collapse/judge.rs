@@ -46,8 +46,15 @@ impl Judge<'_> {
         if !self.gather(&mut star, vertex) {
             return Candidate::None;
         }
-        let least = self.moves(&star, vertex).map(|planned| planned.least).min_by(f64::total_cmp);
-        least.map_or(Candidate::None, |error| Candidate::Guess { error: error.max(before) })
+        let mut guess: Option<f64> = None;
+        for planned in self.moves(&star, vertex) {
+            guess = Some(guess.map_or(planned.least, |least| least.min(planned.least)));
+            // No way would be guessed to cost less.
+            if planned.least <= before {
+                break;
+            }
+        }
+        guess.map_or(Candidate::None, |least| Candidate::Guess { error: least.max(before) })
     }
 
     /// The neighbour that costs least, of equal ones the one with the lowest key.
