@@ -63,6 +63,12 @@ pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tol
     bound_in_map(places, asked, t, corners, [MapPlace::NONE; 3], tolerance, most)
 }
 
+/// Whether the bound of a triangle with these corners takes no longer than to look up what was found of it before.
+pub(in crate::reference) fn is_quick(places: &Places<'_>, t: u32, in_map: &[MapPlace; 3]) -> bool {
+    let direction = places.straight.get(t as usize).copied().unwrap_or(f64::NAN);
+    direction >= 0.0 && search::is_small(in_map)
+}
+
 /// As [`bound`], where it is known where the corners lie in the one map of the base triangle; see [`Places::in_map`].
 #[must_use]
 pub fn bound_in_map(

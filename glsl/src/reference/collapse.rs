@@ -2,16 +2,19 @@
 //! base triangle or along their base edge, many at once. Every new triangle keeps the bound, so texture coordinates,
 //! materials and seams stay exact.
 
+mod found;
 mod judge;
 mod nearby;
 mod star;
 
-use glam::DVec3;
+use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{bound::MapPlace, keys, place::Places};
 use crate::layout::refine::{RefinedTriangle, RefinedVertex};
+pub use found::Found;
 pub use judge::Judge;
 
 /// A refined mesh being simplified.
@@ -25,6 +28,8 @@ pub struct Simplified {
     pub keys: Vec<u32>,
     /// Of vertices within base triangles that have one map alone; nothing of others.
     pub in_map: Vec<MapPlace>,
+    /// Errors of its triangles; copies of the mesh share them.
+    pub found: Arc<Found>,
 }
 
 /// A triangle of the result.
@@ -46,19 +51,19 @@ pub enum Candidate {
     /// It may not go anywhere.
     #[default]
     None,
-    /// Any way costs at least this.
-    AtLeast { error: f64 },
+    /// It may go, and is guessed to cost this.
+    Guess { error: f64 },
     /// The largest error of the triangles that come of drawing it there, the way that costs least.
     To { vertex: u32, error: f64 },
 }
 
 impl Candidate {
-    /// No less than what is known.
+    /// What is known, or guessed.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         match self {
             Self::None => None,
-            Self::AtLeast { error } | Self::To { error, .. } => Some(*error),
+            Self::Guess { error } | Self::To { error, .. } => Some(*error),
         }
     }
 }
@@ -117,7 +122,7 @@ impl Simplified {
         nearby::sort(&mut self);
         let keys = self.vertices.par_iter().map(|vertex| keys::of(vertex, places.base)).collect();
         let in_map = self.vertices.par_iter().map(|vertex| places.vertex_in_map(vertex)).collect();
-        Self { keys, in_map, ..self }
+        Self { keys, in_map, found: Arc::default(), ..self }
     }
 
     /// What a vertex comes before its neighbours by: the error, then its mixed key, so that along a row not each waits for

@@ -42,6 +42,11 @@ pub(super) fn greatest(
     worst.max(directly(lattice, &corners, &around.clipped(&lattice.domain()), at_texels, cap))
 }
 
+/// Whether all texels of a triangle with these corners are looked at.
+pub(super) fn is_small(corners: &[MapPlace; 3]) -> bool {
+    cost(&Window::around(corners)) <= FEW
+}
+
 /// About how many texels and crossings there are: half the box, and its sides.
 fn cost(around: &Window) -> f64 {
     let [width, height] = [0, 1].map(|k| around.high[k] - around.low[k]);

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     layout::refine::{RefinedVertex, kind},
     reference::{
-        bound::{Asked, bound_in_map},
+        bound::{Asked, bound_in_map, is_quick},
         place::Places,
     },
 };
@@ -39,15 +39,22 @@ struct Move {
 const LEAST_TURN: f64 = 0.5;
 
 impl Judge<'_> {
-    /// What is quickly known: what is lost at the vertex itself.
+    /// What is quickly known: what is lost at the vertex itself; no less than `before`, what it may have cost before.
     #[must_use]
-    pub fn estimate(&self, vertex: u32) -> Candidate {
+    pub fn guess(&self, vertex: u32, before: f64) -> Candidate {
         let mut star = Star::default();
         if !self.gather(&mut star, vertex) {
             return Candidate::None;
         }
-        let least = self.moves(&star, vertex).map(|planned| planned.least).min_by(f64::total_cmp);
-        least.map_or(Candidate::None, |error| Candidate::AtLeast { error })
+        let mut guess: Option<f64> = None;
+        for planned in self.moves(&star, vertex) {
+            guess = Some(guess.map_or(planned.least, |least| least.min(planned.least)));
+            // No way would be guessed to cost less.
+            if planned.least <= before {
+                break;
+            }
+        }
+        guess.map_or(Candidate::None, |least| Candidate::Guess { error: least.max(before) })
     }
 
     /// The neighbour that costs least, of equal ones the one with the lowest key.
@@ -160,8 +167,12 @@ impl Judge<'_> {
     }
 
     fn error_at(&self, triangle: &Triangle<'_>, most: f64) -> f64 {
-        let tolerance = (self.tolerance)(triangle.positions());
-        bound_in_map(self.places, self.asked, triangle.base(), triangle.shares(), triangle.in_map(), tolerance, most)
+        let (base, in_map) = (triangle.base(), triangle.in_map());
+        let find = || {
+            let tolerance = (self.tolerance)(triangle.positions());
+            bound_in_map(self.places, self.asked, base, triangle.shares(), in_map, tolerance, most)
+        };
+        if is_quick(self.places, base, &in_map) { find() } else { self.mesh.found.of(triangle.facet(), most, find) }
     }
 
     /// The larger error of what turning the side ab between the triangles abc and bad makes, below `most`; none where

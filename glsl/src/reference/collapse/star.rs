@@ -56,6 +56,10 @@ impl Triangle<'_> {
         self.0[0].base
     }
 
+    pub(super) fn facet(&self) -> Facet {
+        Facet { gv: self.0.map(|corner| corner.gv), base: self.base() }
+    }
+
     pub(super) fn positions(&self) -> [DVec3; 3] {
         self.0.map(|corner| corner.position)
     }

@@ -14,75 +14,94 @@ use crate::domain::Result;
 pub(super) const FLIP_ROUNDS: u32 = 3;
 /// Each round draws in at least one vertex; a mesh that needs more rounds than this is good enough.
 pub(super) const MOST_ROUNDS: u32 = 1000;
+/// A vertex is taken to cost no less than this share of what it cost before its neighbours changed.
+const SHARE_OF_BEFORE: f64 = 0.95;
+/// What vertices that could not go count as, as a share of the tolerance: they are tried again when nobody around is left.
+const TOO_DEAR: f64 = 1.0;
+
+/// What is known of each vertex.
+struct Known {
+    candidates: Vec<Candidate>,
+    /// What it cost when that was last found out, as a share of the tolerance; 0 before.
+    before: Vec<f64>,
+}
+
+impl Known {
+    fn none(vertices: usize) -> Self {
+        Self { candidates: vec![Candidate::None; vertices], before: vec![0.0; vertices] }
+    }
+
+    /// Anew, of vertices around which triangles changed. What was dear is seldom cheap afterwards: triangles only grow.
+    fn guess(&mut self, judge: &Judge<'_>, dirty: &[u32]) {
+        let guess = |vertex: &u32| judge.guess(*vertex, SHARE_OF_BEFORE * self.before[*vertex as usize]);
+        let found: Vec<Candidate> = dirty.par_iter().map(guess).collect();
+        dirty.iter().zip(found).for_each(|(vertex, found)| self.candidates[*vertex as usize] = found);
+    }
+
+    fn find_out(&mut self, judge: &Judge<'_>, unsure: &[u32]) {
+        let found: Vec<Candidate> = unsure.par_iter().map(|vertex| judge.candidate(*vertex)).collect();
+        for (vertex, found) in unsure.iter().zip(found) {
+            self.candidates[*vertex as usize] = found;
+            self.before[*vertex as usize] = found.error().unwrap_or(TOO_DEAR);
+        }
+    }
+}
 
 impl Work<'_> {
     /// Collapses all that can be, then flips and collapses again `sweeps` times. Of vertices that cost the same, another
     /// goes first in another `order`. Returns the rounds of collapses.
     pub(super) fn simplify(&self, mesh: &mut Simplified, sweeps: u32, order: u32) -> Result<u32> {
-        let mut candidates = vec![Candidate::None; mesh.vertices.len()];
+        let mut known = Known::none(mesh.vertices.len());
         mesh.keys.iter_mut().for_each(|key| *key = keys::mixed(*key ^ order));
         let mut rounds = 0;
-        self.collapse(mesh, &mut candidates, (0..mesh.vertices.len() as u32).collect(), &mut rounds)?;
+        self.collapse(mesh, &mut known, (0..mesh.vertices.len() as u32).collect(), &mut rounds)?;
         for _ in 0..sweeps {
             let touched = self.flip(mesh)?;
             if touched.is_empty() {
                 break;
             }
-            self.collapse(mesh, &mut candidates, touched, &mut rounds)?;
+            self.collapse(mesh, &mut known, touched, &mut rounds)?;
         }
         Ok(rounds)
     }
 
-    fn collapse(
-        &self,
-        mesh: &mut Simplified,
-        candidates: &mut [Candidate],
-        mut dirty: Vec<u32>,
-        rounds: &mut u32,
-    ) -> Result<()> {
+    fn collapse(&self, mesh: &mut Simplified, known: &mut Known, mut dirty: Vec<u32>, rounds: &mut u32) -> Result<()> {
         while *rounds < MOST_ROUNDS {
             self.job.cancel.check()?;
             self.job.progress.pass("collapse", u64::from(*rounds), u64::from(*rounds) + 1);
             let stars = Stars::new(mesh.vertices.len(), &mesh.triangles);
-            let selected = self.select(mesh, &stars, candidates, &dirty, *rounds);
+            let selected = self.select(mesh, &stars, known, &dirty, *rounds);
             if selected.is_empty() {
                 break;
             }
-            dirty = mesh.apply(&stars, candidates, &selected);
-            selected.iter().for_each(|vertex| candidates[*vertex as usize] = Candidate::None);
+            dirty = mesh.apply(&stars, &known.candidates, &selected);
+            selected.iter().for_each(|vertex| known.candidates[*vertex as usize] = Candidate::None);
             *rounds += 1;
         }
         Ok(())
     }
 
-    /// The vertices that come before their neighbours. Only where estimates decide between them are errors found out.
-    fn select(
-        &self,
-        mesh: &Simplified,
-        stars: &Stars,
-        candidates: &mut [Candidate],
-        dirty: &[u32],
-        round: u32,
-    ) -> Vec<u32> {
+    /// The vertices that come before their neighbours. Only where guesses decide between them are errors found out.
+    fn select(&self, mesh: &Simplified, stars: &Stars, known: &mut Known, dirty: &[u32], round: u32) -> Vec<u32> {
         self.judged(mesh, stars, |judge| {
-            fill(candidates, dirty, dirty.par_iter().map(|vertex| judge.estimate(*vertex)).collect());
+            known.guess(judge, dirty);
             let turn = |(vertex, candidate): (usize, &Candidate)| mesh.turn(vertex as u32, candidate, round);
-            let mut turns: Vec<u64> = candidates.par_iter().enumerate().map(turn).collect();
-            let mut open: Vec<u32> = (0..candidates.len() as u32).collect();
+            let mut turns: Vec<u64> = known.candidates.par_iter().enumerate().map(turn).collect();
+            let mut open: Vec<u32> = (0..turns.len() as u32).collect();
             let mut selected = Vec::new();
-            let mut seen = vec![false; candidates.len()];
+            let mut seen = vec![false; turns.len()];
             loop {
                 let first = |vertex: &u32| mesh.comes_first(stars, &turns, *vertex);
                 let first: Vec<u32> = open.into_par_iter().filter(first).collect();
-                let is_estimate = |vertex: &u32| matches!(candidates[*vertex as usize], Candidate::AtLeast { .. });
-                let (unsure, sure): (Vec<u32>, Vec<u32>) = first.into_iter().partition(is_estimate);
+                let is_guess = |vertex: &u32| matches!(known.candidates[*vertex as usize], Candidate::Guess { .. });
+                let (unsure, sure): (Vec<u32>, Vec<u32>) = first.into_iter().partition(is_guess);
                 selected.extend(sure);
                 if unsure.is_empty() {
                     return selected;
                 }
-                fill(candidates, &unsure, unsure.par_iter().map(|vertex| judge.candidate(*vertex)).collect());
+                known.find_out(judge, &unsure);
                 for vertex in &unsure {
-                    turns[*vertex as usize] = mesh.turn(*vertex, &candidates[*vertex as usize], round);
+                    turns[*vertex as usize] = mesh.turn(*vertex, &known.candidates[*vertex as usize], round);
                 }
                 // Others come no earlier than before: only these and those around may now come first.
                 open = mesh.around(stars, &unsure, &mut seen);
@@ -130,8 +149,4 @@ fn want(judge: &Judge<'_>, changed: &[u32], errors: &[f64], wanted: &mut [Option
             wanted[t as usize] = Some(flip.better(wanted[t as usize]));
         }
     }
-}
-
-fn fill(candidates: &mut [Candidate], of: &[u32], found: Vec<Candidate>) {
-    of.iter().zip(found).for_each(|(vertex, found)| candidates[*vertex as usize] = found);
 }
