@@ -39,22 +39,21 @@ struct Move {
 const LEAST_TURN: f64 = 0.5;
 
 impl Judge<'_> {
-    /// What is quickly known: what is lost at the vertex itself; no less than `before`, what it may have cost before.
+    /// No way costs less, as far as is quickly known: what is lost at the vertex itself. None where it may not go.
     #[must_use]
-    pub fn guess(&self, vertex: u32, before: f64) -> Candidate {
+    pub fn least(&self, vertex: u32) -> Option<f64> {
         let mut star = Star::default();
         if !self.gather(&mut star, vertex) {
-            return Candidate::None;
+            return None;
         }
-        let mut guess: Option<f64> = None;
+        let mut least: Option<f64> = None;
         for planned in self.moves(&star, vertex) {
-            guess = Some(guess.map_or(planned.least, |least| least.min(planned.least)));
-            // No way would be guessed to cost less.
-            if planned.least <= before {
+            least = Some(least.map_or(planned.least, |least| least.min(planned.least)));
+            if planned.least == 0.0 {
                 break;
             }
         }
-        guess.map_or(Candidate::None, |least| Candidate::Guess { error: least.max(before) })
+        least
     }
 
     /// The neighbour that costs least, of equal ones the one with the lowest key.

@@ -14,39 +14,44 @@ use crate::domain::Result;
 pub(super) const FLIP_ROUNDS: u32 = 3;
 /// Each round draws in at least one vertex; a mesh that needs more rounds than this is good enough.
 pub(super) const MOST_ROUNDS: u32 = 1000;
-/// A vertex is taken to cost no less than this share of what it cost before its neighbours changed.
+/// A vertex is guessed to cost this share of what it cost before its neighbours changed.
 const SHARE_OF_BEFORE: f64 = 0.95;
 /// What vertices that could not go count as, as a share of the tolerance: they are tried again when nobody around is left.
 const TOO_DEAR: f64 = 1.0;
+
 /// Of more triangles, a vertex whose guess comes first goes if it may at all, whatever it turns out to cost: finding out
 /// about its neighbours too takes a fifth of the time and saves less than a hundredth of the triangles. Fewer remain where
 /// what is left decides how few there can be.
-const MANY: usize = 1 << 15;
+const MANY: usize = 3 << 14;
 
 /// What is known of each vertex.
 struct Known {
     candidates: Vec<Candidate>,
-    /// What it cost when that was last found out, as a share of the tolerance; 0 before.
-    before: Vec<f64>,
+    /// What those that were asked about may cost, as a share of the tolerance: what is lost at the vertex, or a share of the
+    /// cost once that was found out. Old guesses stand: triangles only grow, and what was dear is seldom cheap later.
+    guesses: Vec<Option<f64>>,
 }
 
 impl Known {
     fn none(vertices: usize) -> Self {
-        Self { candidates: vec![Candidate::None; vertices], before: vec![0.0; vertices] }
+        Self { candidates: vec![Candidate::None; vertices], guesses: vec![None; vertices] }
     }
 
-    /// Anew, of vertices around which triangles changed. What was dear is seldom cheap afterwards: triangles only grow.
+    /// Of vertices around which triangles changed.
     fn guess(&mut self, judge: &Judge<'_>, dirty: &[u32]) {
-        let guess = |vertex: &u32| judge.guess(*vertex, SHARE_OF_BEFORE * self.before[*vertex as usize]);
-        let found: Vec<Candidate> = dirty.par_iter().map(guess).collect();
-        dirty.iter().zip(found).for_each(|(vertex, found)| self.candidates[*vertex as usize] = found);
+        let guess = |vertex: &u32| self.guesses[*vertex as usize].or_else(|| judge.least(*vertex));
+        let found: Vec<Option<f64>> = dirty.par_iter().map(guess).collect();
+        for (vertex, guess) in dirty.iter().zip(found) {
+            self.guesses[*vertex as usize] = guess;
+            self.candidates[*vertex as usize] = guess.map_or(Candidate::None, |error| Candidate::Guess { error });
+        }
     }
 
     fn find_out(&mut self, judge: &Judge<'_>, unsure: &[u32]) {
         let found: Vec<Candidate> = unsure.par_iter().map(|vertex| judge.candidate(*vertex)).collect();
         for (vertex, found) in unsure.iter().zip(found) {
             self.candidates[*vertex as usize] = found;
-            self.before[*vertex as usize] = found.error().unwrap_or(TOO_DEAR);
+            self.guesses[*vertex as usize] = Some(SHARE_OF_BEFORE * found.error().unwrap_or(TOO_DEAR));
         }
     }
 }
