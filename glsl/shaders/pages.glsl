@@ -1,4 +1,4 @@
-// Paged streams: no binding exceeds 128 MiB, so a stream is a list of pages of 2^22 elements.
+// Paged streams: no binding exceeds 128 MiB, so a stream is a list of pages of 2^22 elements, of texels 2^25.
 // Include after common.glsl.
 
 // 0: every stream of this dispatch has a single page, and the page index folds away.
@@ -26,8 +26,9 @@ uint slot_of(const uint i) {
 #define STORE(NAME, I, VALUE) (ELEMENT(NAME, I) = (VALUE))
 
 // Values of maps are words of 4 bytes, where elements have up to 32: eight times as many fit a page, so that a map of
-// 16384 x 16384 fits a stream.
-const uint TEXELS_SHIFT = PAGE_SHIFT + 3u;
+// 16384 x 16384 fits a stream. What the host made by `Stream::of_texels` is read by `LOAD_TEXEL` alone.
+const uint TEXELS_MORE_SHIFT = 3u;
+const uint TEXELS_SHIFT = PAGE_SHIFT + TEXELS_MORE_SHIFT;
 const uint TEXELS_MASK = (1u << TEXELS_SHIFT) - 1u;
 
 uint texel_page_of(const uint i) {

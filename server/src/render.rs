@@ -17,7 +17,7 @@ use crate::domain::{
     detail::Detail,
     image::{ImagePlan, ImageSet, RenderScene},
     mesh::Mesh,
-    plan::{MAX_PAGES, PAGE_ELEMENTS, SurfacePlan},
+    plan::{MAX_PAGES, MAX_TEXELS, PAGE_ELEMENTS, SurfacePlan},
     report::PassTime,
     surface::{Shape, Surface},
 };
@@ -125,3 +125,4 @@ impl<P: Progress + ?Sized> device::PassObserver for P {
 
 // The device pages streams as plans assume.
 const _: () = assert!(PAGE_ELEMENTS == 1 << device::PAGE_SHIFT && MAX_PAGES == device::MAX_PAGES);
+const _: () = assert!(MAX_TEXELS == MAX_PAGES << (device::PAGE_SHIFT + device::TEXELS_MORE_SHIFT));

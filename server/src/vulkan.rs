@@ -35,4 +35,4 @@ pub use device::{Device, DeviceOptions, Testing};
 pub use error::{Error, ErrorKind};
 pub use recorder::{CancelSignal, PassObserver, PassTime, Recorder};
 pub use select::{DeviceInfo, DeviceKind, list_devices};
-pub use stream::{MAX_PAGES, PAGE_SHIFT, Stream};
+pub use stream::{MAX_PAGES, PAGE_SHIFT, Stream, TEXELS_MORE_SHIFT};

@@ -63,8 +63,8 @@ pub fn bound(places: &Places<'_>, asked: Asked, t: u32, corners: [DVec3; 3], tol
     bound_in_map(places, asked, t, corners, [MapPlace::NONE; 3], tolerance, most)
 }
 
-/// Whether the bound of a triangle with these corners takes no longer than to look up what was found of it before.
-pub(in crate::reference) fn is_quick(places: &Places<'_>, t: u32, in_map: &[MapPlace; 3]) -> bool {
+/// Whether the texels of a triangle with these corners are looked at one by one, few as they are: not worth remembering.
+pub(in crate::reference) fn is_direct(places: &Places<'_>, t: u32, in_map: &[MapPlace; 3]) -> bool {
     let direction = places.straight.get(t as usize).copied().unwrap_or(f64::NAN);
     direction >= 0.0 && search::is_small(in_map)
 }

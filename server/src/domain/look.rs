@@ -15,7 +15,7 @@ use super::{
 pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
     let media_type = media_type(&image)?;
     // A file that nobody can show must not get into a result.
-    maps::decode("base_color", &image)?;
+    maps::color_map("base_color", &image)?;
     require_uvs(scene)?;
     let texture = add_texture(scene, media_type, &image)?;
     let plain = scene.materials.len();

@@ -18,7 +18,7 @@ pub use view::ViewPlan;
 
 /// Elements of one page of a stream: no binding exceeds 128 MiB for elements up to 32 bytes.
 pub const PAGE_ELEMENTS: u64 = 1 << 22;
-/// Pages a shader can see at once, so 64 Mi elements per stream.
+/// Pages a shader can see at once, so 64 Mi elements per stream, and 512 Mi texels.
 pub const MAX_PAGES: u64 = 16;
 /// Values of all maps of one mesh: words of 4 bytes, so that eight times as many fit a page.
 pub const MAX_TEXELS: u64 = 8 * PAGE_ELEMENTS * MAX_PAGES;

@@ -15,8 +15,9 @@ use super::{
 pub const PAGE_SHIFT: u32 = 22;
 /// Pages a shader can see at once, as `pages.glsl` has it.
 pub const MAX_PAGES: u64 = 16;
-/// Pages of texels hold so many times as many elements, as a power of two: each is a word of 4 bytes, not up to 32.
-const TEXELS_SHIFT: u32 = 3;
+/// Pages of texels hold so many times as many elements, as a power of two, as `pages.glsl` has it: each is a word of 4
+/// bytes, not up to 32.
+pub const TEXELS_MORE_SHIFT: u32 = 3;
 
 /// An array of elements on the device. Dropping it while work that uses it is recorded or runs is fine:
 /// the recorder keeps what it needs.
@@ -55,7 +56,7 @@ impl Stream {
 
     /// The values of maps, for shaders that read them by `LOAD_TEXEL`.
     pub fn of_texels(device: &Arc<Device>, texels: &[f32]) -> Result<Self> {
-        let page_len = 1 << (device.page_shift() + TEXELS_SHIFT);
+        let page_len = 1 << (device.page_shift() + TEXELS_MORE_SHIFT);
         Self::build_paged(device, "texels", texels.len() as u64, page_len, |first, page: &mut [f32]| {
             page.copy_from_slice(&texels[first as usize..][..page.len()]);
         })

@@ -3,7 +3,7 @@
 
 use std::{
     collections::HashMap,
-    hash::{BuildHasherDefault, Hasher},
+    hash::{BuildHasherDefault, Hash, Hasher},
     sync::{Mutex, PoisonError},
 };
 
@@ -24,11 +24,19 @@ const PARTS: usize = 32;
 const MOST_KNOWN: usize = 1 << 14;
 
 /// Corners ascending, the base triangle, and the most that was asked for: above it, errors are not found out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Question {
     gv: [u32; 3],
     base: u32,
     most: u64,
+}
+
+impl Hash for Question {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let pair = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+        let [a, b, c] = self.gv;
+        [pair(a, b), pair(c, self.base), self.most].into_iter().for_each(|word| state.write_u64(word));
+    }
 }
 
 impl Found {
@@ -64,10 +72,6 @@ impl Hasher for Mixer {
 
     fn write(&mut self, bytes: &[u8]) {
         bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
-    }
-
-    fn write_u32(&mut self, x: u32) {
-        self.write_u64(u64::from(x));
     }
 
     fn write_u64(&mut self, x: u64) {

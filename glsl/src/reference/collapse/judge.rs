@@ -12,7 +12,7 @@ use super::{
 use crate::{
     layout::refine::{RefinedVertex, kind},
     reference::{
-        bound::{Asked, bound_in_map, is_quick},
+        bound::{Asked, bound_in_map, is_direct},
         place::Places,
     },
 };
@@ -166,12 +166,17 @@ impl Judge<'_> {
     }
 
     fn error_at(&self, triangle: &Triangle<'_>, most: f64) -> f64 {
-        let (base, in_map) = (triangle.base(), triangle.in_map());
-        let find = || {
-            let tolerance = (self.tolerance)(triangle.positions());
-            bound_in_map(self.places, self.asked, base, triangle.shares(), in_map, tolerance, most)
-        };
-        if is_quick(self.places, base, &in_map) { find() } else { self.mesh.found.of(triangle.facet(), most, find) }
+        if is_direct(self.places, triangle.base(), &triangle.in_map()) {
+            return self.find(triangle, most);
+        }
+        // From one corner on, whoever asks: sums in another order differ in their last bits.
+        let triangle = triangle.from_lowest();
+        self.mesh.found.of(triangle.facet(), most, || self.find(&triangle, most))
+    }
+
+    fn find(&self, triangle: &Triangle<'_>, most: f64) -> f64 {
+        let tolerance = (self.tolerance)(triangle.positions());
+        bound_in_map(self.places, self.asked, triangle.base(), triangle.shares(), triangle.in_map(), tolerance, most)
     }
 
     /// The larger error of what turning the side ab between the triangles abc and bad makes, below `most`; none where

@@ -56,6 +56,16 @@ impl Triangle<'_> {
         self.0[0].base
     }
 
+    /// Beginning with the corner of the lowest number.
+    pub(super) fn from_lowest(&self) -> Self {
+        let [a, b, c] = self.0;
+        match a.gv.min(b.gv).min(c.gv) {
+            lowest if lowest == a.gv => Self([a, b, c]),
+            lowest if lowest == b.gv => Self([b, c, a]),
+            _ => Self([c, a, b]),
+        }
+    }
+
     pub(super) fn facet(&self) -> Facet {
         Facet { gv: self.0.map(|corner| corner.gv), base: self.base() }
     }

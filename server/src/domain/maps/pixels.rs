@@ -37,6 +37,11 @@ impl Pixels {
     }
 
     #[must_use]
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * self.channels as u64 * u64::from(self.bits()) / 8
+    }
+
+    #[must_use]
     pub fn is_float(&self) -> bool {
         matches!(self.values, Values::F32(_))
     }
@@ -103,7 +108,7 @@ pub(super) fn check_size(field: &str, width: u32, height: u32, pixel_bytes: u64)
     let bytes = u64::from(width) * u64::from(height) * pixel_bytes;
     if bytes > MAX_DECODED_BYTES {
         let message = format!(
-            "the image has {bytes} bytes once it is decoded ({width} x {height} pixels of {pixel_bytes}); allowed are {MAX_DECODED_BYTES}: scale it down, or give one channel of 8 or 16 bits"
+            "the image has {bytes} bytes once it is decoded ({width} x {height} pixels of {pixel_bytes}); allowed are {MAX_DECODED_BYTES}: scale it down, or give fewer channels or bits"
         );
         return Err(Error::too_large(field, message));
     }
@@ -121,7 +126,8 @@ fn plain(field: &str, bytes: &[u8]) -> Result<Pixels> {
         .with_guessed_format()
         .map_err(|e| Error::invalid(field, "the image cannot be read").with_cause(e))?;
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    // Checked below; readers ask for buffers of their own besides.
+    limits.max_alloc = Some(2 * MAX_DECODED_BYTES);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
@@ -158,7 +164,8 @@ fn exr(field: &str, bytes: &[u8]) -> Result<Pixels> {
     };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     for header in &meta.headers {
-        let pixel_bytes = 4 * header.channels.list.len() as u64;
+        let stored = header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample() as u64).sum();
+        let pixel_bytes = (4 * header.channels.list.len().min(4) as u64).max(stored);
         check_size(field, header.layer_size.0 as u32, header.layer_size.1 as u32, pixel_bytes)?;
     }
     let image = read()

@@ -107,6 +107,8 @@ struct Resolver<'a> {
 
 /// Values of all maps of one job together: 2 GiB.
 const MAX_VALUES: u64 = MAX_TEXELS;
+/// Of all decoded images of one job together.
+const MAX_IMAGE_BYTES: u64 = 4 << 30;
 const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const FLIPPED_V: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
 
@@ -156,14 +158,18 @@ impl Resolver<'_> {
             return Ok(Arc::clone(known));
         }
         let map = Arc::new(make()?);
-        let mut maps = self.maps.borrow_mut();
-        let values = maps.values().map(|map| map.texels.len() as u64).sum::<u64>() + map.texels.len() as u64;
-        if values > MAX_VALUES {
-            let message = format!("the maps of one job hold more than {MAX_VALUES} values: use smaller or fewer maps");
-            return Err(Error::too_large("details", message));
-        }
-        maps.insert(key, Arc::clone(&map));
+        self.maps.borrow_mut().insert(key, Arc::clone(&map));
         Ok(map)
+    }
+
+    /// Refuses a map of so many channels before there is room for it.
+    fn check_room(&self, pixels: &Pixels, channels: u64) -> Result<()> {
+        let held: u64 = self.maps.borrow().values().map(|map| map.texels.len() as u64).sum();
+        if held + u64::from(pixels.width) * u64::from(pixels.height) * channels <= MAX_VALUES {
+            return Ok(());
+        }
+        let message = format!("the maps of one job hold more than {MAX_VALUES} values: use smaller or fewer maps");
+        Err(Error::too_large("details", message))
     }
 
     fn pixels(&self, field: &str, asset: &Digest) -> Result<Arc<Pixels>> {
@@ -171,6 +177,13 @@ impl Resolver<'_> {
             return Ok(Arc::clone(known));
         }
         let pixels = Arc::new(decode(field, &(self.assets)(asset)?)?);
+        let held: u64 = self.images.borrow().values().map(|pixels| pixels.bytes()).sum();
+        if held + pixels.bytes() > MAX_IMAGE_BYTES {
+            let message = format!(
+                "the images of one job take more than {MAX_IMAGE_BYTES} bytes once decoded: use smaller or fewer maps"
+            );
+            return Err(Error::too_large(field, message));
+        }
         self.images.borrow_mut().insert(*asset, Arc::clone(&pixels));
         Ok(pixels)
     }
@@ -178,6 +191,7 @@ impl Resolver<'_> {
     fn height(&self, field: &str, request: &MapRequest, channel: Channel, invert: bool) -> Result<Map> {
         let pixels = self.pixels(field, &request.asset)?;
         let channel = channel_index(field, &pixels, channel)?;
+        self.check_room(&pixels, 1)?;
         let texels = pixels.texels([channel], |_, v| if invert { 1.0 - v } else { v });
         map(field, &pixels, 1, texels, request)
     }
@@ -185,6 +199,7 @@ impl Resolver<'_> {
     fn vector(&self, field: &str, request: &MapRequest, swizzle: Swizzle, midlevel: Option<f32>) -> Result<Map> {
         let pixels = self.pixels(field, &request.asset)?;
         let axes = axes(field, &pixels, swizzle)?;
+        self.check_room(&pixels, 3)?;
         let midlevel = midlevel.unwrap_or(if pixels.is_float() { 0.0 } else { 0.5 });
         let texels = pixels.texels(axes, |k, v| signed(swizzle, k, v - midlevel));
         map(field, &pixels, 3, texels, request)
@@ -212,6 +227,7 @@ impl Resolver<'_> {
             ));
         }
         let axes = axes(&field_of("direction"), &d, swizzle)?;
+        self.check_room(&d, 3)?;
         let as_printed = request.preset == Preset::AsPrinted;
         let bits = d.bits();
         let mut texels =
@@ -232,6 +248,7 @@ impl Resolver<'_> {
         let (factor, offset, wrap) = (displacement.factor, displacement.offset, displacement.texture.wrap);
         let make = || {
             let pixels = decode(&field, bytes)?;
+            self.check_room(&pixels, 1)?;
             Ok(Map {
                 width: pixels.width,
                 height: pixels.height,

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::{Error, Result, camera, request::ToleranceView, scene::Instance};
 
-/// Of the most that an instance enlarges: a plane's normal that it shortens to less is the rounding of a flat one.
+/// Of the most that an instance enlarges: what it shortens to less, a plane's normal among them, is the rounding of a flat
+/// one.
 const FLAT: f64 = 1e-9;
 
 /// One view of one instance. Depth is along the axis of the view, world units, positive ahead of the eye.
@@ -49,6 +50,8 @@ impl ViewPlan {
         let world = instance.world();
         let rows_from_view = (view_from_world * world).transpose();
         let [least_scale, largest_scale] = instance.singular_values();
+        // Of what is flat, rounding leaves dust.
+        let least_scale = if least_scale > FLAT * largest_scale { least_scale } else { 0.0 };
         let upright = (0.5 * f64::from(view.yfov_degrees).to_radians()).tan();
         let across = upright * f64::from(view.width) / f64::from(view.height);
         let pixel = 2.0 * upright / f64::from(view.height);
@@ -89,14 +92,16 @@ impl ViewPlan {
             return depth.max(self.near_world) * self.tolerance_at_unit_depth * (cosine / self.least_cosine);
         }
         let distance = (away - radius) * self.least_scale;
-        Self::UNSEEN * distance.max(depth).max(self.near_world) * self.tolerance_at_unit_depth
+        let depth = distance.max(depth).max(self.near_world);
+        Self::UNSEEN * depth * (self.tolerance_at_unit_depth / self.least_cosine)
     }
 
     /// No more than that of the angle between the axis and any place so deep or deeper and no farther from the eye.
     fn cosine(&self, depth: f64, away_world: f64) -> f64 {
         // A flattened instance tells no place of the eye.
         let least = if self.least_scale > 0.0 && depth > 0.0 { depth / away_world } else { 0.0 };
-        least.clamp(self.least_cosine, 1.0)
+        // What is no number is the least.
+        least.max(self.least_cosine).min(1.0)
     }
 
     /// The least depth of what this view sees of a triangle, world units, where that is nearer than `near_world`: it is

@@ -137,7 +137,11 @@ impl Arena {
     fn texels(&self) -> Arc<Vec<f32>> {
         match self.maps.as_slice() {
             [(only, _)] => Arc::clone(&only.texels),
-            all => Arc::new(all.iter().flat_map(|(map, _)| map.texels.iter().copied()).collect()),
+            all => {
+                let mut texels = Vec::with_capacity(self.values as usize);
+                all.iter().for_each(|(map, _)| texels.extend_from_slice(&map.texels));
+                Arc::new(texels)
+            }
         }
     }
 }

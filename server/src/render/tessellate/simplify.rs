@@ -47,6 +47,12 @@ impl Known {
         }
     }
 
+    /// Of a vertex that is gone.
+    fn forget(&mut self, vertex: u32) {
+        self.candidates[vertex as usize] = Candidate::None;
+        self.guesses[vertex as usize] = None;
+    }
+
     fn find_out(&mut self, judge: &Judge<'_>, unsure: &[u32]) {
         let found: Vec<Candidate> = unsure.par_iter().map(|vertex| judge.candidate(*vertex)).collect();
         for (vertex, found) in unsure.iter().zip(found) {
@@ -84,21 +90,21 @@ impl Work<'_> {
                 break;
             }
             dirty = mesh.apply(&stars, &known.candidates, &selected);
-            selected.iter().for_each(|vertex| known.candidates[*vertex as usize] = Candidate::None);
+            selected.iter().for_each(|vertex| known.forget(*vertex));
             *rounds += 1;
         }
         Ok(())
     }
 
     /// The vertices that come before their neighbours. Only where guesses decide between them are errors found out; of
-    /// [`MANY`] triangles, guesses decide.
+    /// more than [`MANY`] triangles, guesses decide.
     fn select(&self, mesh: &Simplified, stars: &Stars, known: &mut Known, dirty: &[u32], round: u32) -> Vec<u32> {
         self.judged(mesh, stars, |judge| {
             known.guess(judge, dirty);
             let turn = |(vertex, candidate): (usize, &Candidate)| mesh.turn(vertex as u32, candidate, round);
             let mut turns: Vec<u64> = known.candidates.par_iter().enumerate().map(turn).collect();
             let mut open: Vec<u32> = (0..turns.len() as u32).collect();
-            let is_quick = mesh.triangles.len() > MANY;
+            let guesses_decide = mesh.triangles.len() > MANY;
             let mut selected = Vec::new();
             let mut seen = vec![false; turns.len()];
             loop {
@@ -107,7 +113,7 @@ impl Work<'_> {
                 let is_guess = |vertex: &u32| matches!(known.candidates[*vertex as usize], Candidate::Guess { .. });
                 let (unsure, sure): (Vec<u32>, Vec<u32>) = first.into_iter().partition(is_guess);
                 // Else selected when they were found out.
-                if !is_quick {
+                if !guesses_decide {
                     selected.extend(sure);
                 }
                 if unsure.is_empty() {
@@ -116,7 +122,7 @@ impl Work<'_> {
                 known.find_out(judge, &unsure);
                 for vertex in &unsure {
                     let found = &known.candidates[*vertex as usize];
-                    if is_quick && *found != Candidate::None {
+                    if guesses_decide && *found != Candidate::None {
                         selected.push(*vertex);
                     } else {
                         turns[*vertex as usize] = mesh.turn(*vertex, found, round);

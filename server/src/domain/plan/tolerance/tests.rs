@@ -160,7 +160,8 @@ fn what_a_view_sees_nearer_than_the_nearest_depth_is_found_and_nothing_else() {
 #[test]
 fn what_is_not_seen_is_allowed_eight_times_what_a_look_there_would_allow() {
     let (plan, _) = planned(&scene(vec![scaled(1.0, 1.0, 1.0)]), pixels(0.5));
-    let at_unit_depth = plan.views[0].tolerance_at_unit_depth;
+    // On the axis.
+    let at_unit_depth = plan.views[0].tolerance_at_unit_depth * 3f64.sqrt();
     let eye = DVec3::new(0.0, 0.0, 3.0);
     for away in [DVec3::Z, DVec3::X, -DVec3::Y, DVec3::new(2.0, 0.0, -1.0)] {
         let expected = 8.0 * (away.length() * 5.0 - 0.5) * at_unit_depth;
@@ -169,7 +170,42 @@ fn what_is_not_seen_is_allowed_eight_times_what_a_look_there_would_allow() {
     }
     // A part inside counts as inside.
     let across = plan.tolerance_at(eye + DVec3::new(1.1, 0.0, -1.0), 0.2);
-    assert!(near(across, 0.8 * at_unit_depth), "{across}");
+    let cosine = (0.8 / (1.1f64.hypot(1.0) + 0.2)).max(1.0 / 3f64.sqrt());
+    assert!(near(across, 0.8 * cosine * at_unit_depth), "{across}");
+}
+
+#[test]
+fn a_larger_sphere_is_never_allowed_more() {
+    let wide = ToleranceView { yfov_degrees: 179.0, width: 100, height: 1, ..view() };
+    for view in [view(), wide] {
+        let allowed = Allowed::Pixels { tolerance_px: 1.0, views: vec![view] };
+        let (plan, _) = planned(&scene(vec![scaled(1.0, 2.0, 0.5)]), allowed);
+        for k in 0..500 {
+            let turn = |n: i32| f64::from(k % n) / f64::from(n) * 2.0 - 1.0;
+            let centre = DVec3::new(turn(17) * 9.0, turn(13) * 9.0, turn(7) * 9.0);
+            let mut last = f64::MAX;
+            for radius in [0.0, 0.01, 0.3, 1.0, 3.0, 10.0] {
+                let found = plan.tolerance_at(centre, radius);
+                assert!(found <= last, "{centre}, {radius}: {found} after {last}");
+                last = found;
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_flat_but_for_rounding_is_allowed_what_the_corner_is() {
+    let turn = |axis: DVec3, degrees: f64| DMat4::from_axis_angle(axis, degrees.to_radians());
+    for k in 0..300 {
+        let [a, b] = [f64::from(k % 12) * 15.0, f64::from(k % 25) * 15.0];
+        let world = turn(DVec3::Y, a)
+            * DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))
+            * turn(DVec3::X, b)
+            * turn(DVec3::Z, a + 30.0);
+        let (plan, _) = planned(&scene(vec![placed(world)]), pixels(1.0));
+        let found = plan.tolerance_at(DVec3::ZERO, 0.0);
+        assert!(near(found, 3.0 * plan.views[0].tolerance_at_unit_depth), "{k}: {found}");
+    }
 }
 
 #[test]
