@@ -170,7 +170,7 @@ impl Judge<'_> {
             return self.find(triangle, most);
         }
         // From one corner on, whoever asks: sums in another order differ in their last bits.
-        let triangle = triangle.from_lowest();
+        let triangle = triangle.lowest_first();
         self.mesh.found.of(triangle.facet(), most, || self.find(&triangle, most))
     }
 

@@ -57,7 +57,7 @@ impl Triangle<'_> {
     }
 
     /// Beginning with the corner of the lowest number.
-    pub(super) fn from_lowest(&self) -> Self {
+    pub(super) fn lowest_first(&self) -> Self {
         let [a, b, c] = self.0;
         match a.gv.min(b.gv).min(c.gv) {
             lowest if lowest == a.gv => Self([a, b, c]),
