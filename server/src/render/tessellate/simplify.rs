@@ -16,11 +16,11 @@ pub(super) const FLIP_ROUNDS: u32 = 3;
 pub(super) const MOST_ROUNDS: u32 = 1000;
 /// A vertex is guessed to cost this share of what it cost before its neighbours changed.
 const SHARE_OF_BEFORE: f64 = 0.95;
-/// What vertices that could not go count as, as a share of the tolerance: they are tried again when nobody around is left.
+/// What vertices that could not go count as, as a share of the tolerance: they are tried again after cheaper neighbours.
 const TOO_DEAR: f64 = 1.0;
 
 /// Of more triangles, a vertex whose guess comes first goes if it may at all, whatever it turns out to cost: finding out
-/// about its neighbours too takes a fifth of the time and saves less than a hundredth of the triangles. Fewer remain where
+/// about its neighbours too takes a tenth of the instructions and saves a hundredth of the triangles. Below, the order of
 /// what is left decides how few there can be.
 const MANY: usize = 3 << 14;
 
