@@ -8,6 +8,7 @@
 #include "fragment.glsl"
 #include "surface_point.glsl"
 #include "material.glsl"
+#include "vertex_color.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -15,18 +16,30 @@ layout(push_constant, scalar) uniform Params {
     uint count;
     ivec2 slab_px;
     ivec2 slab_size_px;
+    uint has_colors;
+    uint has_map;
 } params;
 
 PAGED(0, , uint64_t, visibility);
 PAGED(1, readonly, Fragment, fragments);
 PAGED(2, readonly, SurfacePoint, points);
-PAGED(3, readonly, vec4, point_colors);
-PAGED(4, readonly, Material, materials);
+PAGED(3, readonly, Material, materials);
+PAGED(4, readonly, vec4, colors);
+PAGED(5, readonly, vec4, mapped_base_color);
 #include "visibility.glsl"
 
+float alpha_of(SurfacePoint point, Material m, uint i) {
+    float alpha = m.base_color.a;
+    if (params.has_colors != 0u) {
+        alpha *= VERTEX_COLOR(point).a;
+    }
+    return params.has_map != 0u ? alpha * LOAD(mapped_base_color, i).a : alpha;
+}
+
 void element(uint i) {
-    float cutoff = LOAD(materials, LOAD(points, i).material).alpha_cutoff;
-    if (LOAD(point_colors, i).a < cutoff) {
+    SurfacePoint point = LOAD(points, i);
+    Material m = LOAD(materials, point.material);
+    if (alpha_of(point, m, i) < m.alpha_cutoff) {
         return;
     }
     Fragment fragment = LOAD(fragments, i);

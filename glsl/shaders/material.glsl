@@ -1,14 +1,16 @@
-// What a material looks like. Mirrored in layout.rs.
+// Factors of a material (glTF 2.0, 3.9). Mirrored in layout.rs.
 struct Material {
     vec4 base_color; // linear
-    vec3 map_u;      // rows of the texture transform
-    vec3 map_v;
+    vec3 emissive;   // linear radiance
+    float metallic;
+    float roughness;
+    float normal_scale;
+    float occlusion_strength;
     float alpha_cutoff;
-    uint wrap;        // along u, and along v two bits up
-    uint level_first;
-    uint level_count; // 0: no map
+    uint flags; // MATERIAL_*
 };
 
-const uint WRAP_REPEAT = 0u;
-const uint WRAP_MIRROR = 1u;
-const uint WRAP_CLAMP = 2u;
+// Base colour is what is seen, whatever the light (KHR_materials_unlit).
+const uint MATERIAL_UNLIT = 1u;
+// Its normals come from a map.
+const uint MATERIAL_NORMAL_MAP = 2u;

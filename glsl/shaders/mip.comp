@@ -4,6 +4,7 @@
 // and 3 (polyphase) where it is odd. A thread writes two texels, one element of the stream.
 #include "common.glsl"
 #include "pages.glsl"
+#include "texel_pair.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -15,14 +16,7 @@ layout(push_constant, scalar) uniform Params {
     uvec2 target_size;
 } params;
 
-PAGED(0, , uvec4, texels);
-
-vec4 source_texel(uint x, uint y) {
-    uint i = params.source_first + y * params.source_size.x + x;
-    uvec4 pair = LOAD(texels, i >> 1);
-    uvec2 bits = (i & 1u) == 0u ? pair.xy : pair.zw;
-    return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y));
-}
+PAGED(0, , TexelPair, texels);
 
 // Weights of source texels 2i, 2i + 1, 2i + 2 in target texel i.
 vec3 weights(uint i, uint source_size, uint target_size) {
@@ -44,22 +38,19 @@ vec4 filtered(uint texel) {
         [[dont_unroll]] for (uint x = 0u; x < 3u; ++x) {
             float weight = wx[x] * wy[y];
             if (weight > 0.0) {
-                sum += weight * source_texel(at.x * 2u + x, at.y * 2u + y);
+                uint source = params.source_first + (at.y * 2u + y) * params.source_size.x + at.x * 2u + x;
+                sum += weight * TEXEL(source);
             }
         }
     }
     return sum;
 }
 
-uvec2 packed(vec4 color) {
-    return uvec2(packHalf2x16(color.xy), packHalf2x16(color.zw));
-}
-
 void element(uint i) {
     uint texels_in_level = params.target_size.x * params.target_size.y;
     uint first = i * 2u;
-    uvec2 second = first + 1u < texels_in_level ? packed(filtered(first + 1u)) : uvec2(0u);
-    STORE(texels, params.target_first / 2u + i, uvec4(packed(filtered(first)), second));
+    vec4 second = first + 1u < texels_in_level ? filtered(first + 1u) : vec4(0.0);
+    STORE(texels, params.target_first / 2u + i, TexelPair(vec4[2](filtered(first), second)));
 }
 
 #include "batch.glsl"

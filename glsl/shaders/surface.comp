@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What lies under each fragment: perspective-correct position, normal, uv and its derivatives, and vertex
-// colour. A thread per fragment.
+// What lies under each fragment: perspective-correct weights of the vertices and their derivatives, position and
+// normals. A thread per fragment.
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -21,10 +21,7 @@ PAGED(2, readonly, Part, parts);
 PAGED(3, readonly, vec4, instance_rows);
 PAGED(4, readonly, vec3, positions);
 PAGED(5, readonly, vec3, normals);
-PAGED(6, readonly, vec2, uvs);
-PAGED(7, readonly, vec4, colors);
-PAGED(8, writeonly, SurfacePoint, points);
-PAGED(9, writeonly, vec4, point_colors);
+PAGED(6, writeonly, SurfacePoint, points);
 
 struct Barycentrics {
     vec3 at;
@@ -79,31 +76,33 @@ vec3 unit_or_zero(vec3 v) {
     return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
 }
 
+// Unit normal of the triangle in the world, towards the side of `normal`.
+vec3 facing_of(uint row, mat3 position, vec3 normal) {
+    vec3 across = cross(position[1] - position[0], position[2] - position[0]);
+    float largest = max(max(abs(across.x), abs(across.y)), abs(across.z));
+    vec3 facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(largest > 0.0 ? across / largest : across, 0.0)));
+    return dot(facing, normal) < 0.0 ? -facing : facing;
+}
+
 void element(uint i) {
     Fragment fragment = LOAD(fragments, i);
     FIND_PART(fragment.id, 0u, params.part_last, part)
-    uvec3 v = LOAD(triangles, part.triangle_base + (fragment.id - part.first_triangle));
+    uint triangle = part.triangle_base + (fragment.id - part.first_triangle);
+    uvec3 v = LOAD(triangles, triangle);
     mat3 position;
     mat3 normal;
-    mat3x2 uv;
-    mat3x4 color;
     for (int k = 0; k < 3; ++k) {
         position[k] = LOAD(positions, v[k]);
         normal[k] = LOAD(normals, v[k]);
-        uv[k] = LOAD(uvs, v[k]);
-        if ((part.flags & PART_COLORED) != 0u) {
-            color[k] = LOAD(colors, v[k]);
-        }
     }
     uint row = part.instance * INSTANCE_ROWS;
     Barycentrics b = barycentrics_at(row, position, fragment.at_px);
-    bool back = b.clockwise != ((part.flags & PART_MIRRORED) != 0u);
-    vec3 n = unit_or_zero(mapped(row + NORMAL_ROW, vec4(normal * b.at, 0.0)));
+    float flip = b.clockwise != ((part.flags & PART_MIRRORED) != 0u) ? -1.0 : 1.0;
+    vec3 n = flip * unit_or_zero(mapped(row + NORMAL_ROW, vec4(normal * b.at, 0.0)));
     vec3 place = mapped(row + WORLD_ROW, vec4(position * b.at, 1.0));
     STORE(points, i, SurfacePoint(
-        fragment.id, part.material, fragment.extra, place, back ? -n : n, uv * b.at, uv * b.dx, uv * b.dy));
-    // The weights add up to 1 only up to rounding: white must stay white.
-    STORE(point_colors, i, (part.flags & PART_COLORED) != 0u ? color * b.at : vec4(1.0));
+        fragment.id, part.material, fragment.extra, part.instance, triangle, v, b.at, b.dx, b.dy, place, n,
+        facing_of(row, position, n), flip));
 }
 
 #include "batch.glsl"

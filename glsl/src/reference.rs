@@ -1,8 +1,9 @@
 //! The f64 twins of the passes: the same inputs, the same stems, no device. Together they are the
 //! `reference` executor and the measure of every pass.
 
+pub mod appearance;
 pub mod attributes;
-pub mod base_color;
+
 pub mod bound;
 pub mod clip;
 pub mod collapse;
@@ -18,6 +19,7 @@ pub mod jets_expression;
 pub mod jets_height;
 pub mod jets_vector;
 pub mod keys;
+pub mod lights;
 pub mod map;
 pub mod mip;
 pub mod normals_analytic;
@@ -30,11 +32,12 @@ pub mod reconcile_interiors;
 pub mod refine;
 pub mod samples;
 pub mod scan;
-pub mod shade;
+pub mod shade_phong;
 pub mod site;
 pub mod smooth;
 pub mod sort;
 pub mod subdivide;
 pub mod surface;
+pub mod texture;
 pub mod transform;
 pub mod triangles;

@@ -11,14 +11,37 @@ mirrors! {
         pub flags: u32,
     }
 
+    /// Factors of a material.
     pub struct Material {
         pub base_color: [f32; 4],
+        pub emissive: [f32; 3],
+        pub metallic: f32,
+        pub roughness: f32,
+        pub normal_scale: f32,
+        pub occlusion_strength: f32,
+        pub alpha_cutoff: f32,
+        pub flags: u32,
+    }
+
+    /// A map as a material uses it; `MAP_SLOTS` of them for each material.
+    pub struct TextureUse {
         pub map_u: [f32; 3],
         pub map_v: [f32; 3],
-        pub alpha_cutoff: f32,
         pub wrap: u32,
+        pub uv_channel: u32,
         pub level_first: u32,
         pub level_count: u32,
+    }
+
+    pub struct Light {
+        pub position: [f32; 3],
+        pub kind: u32,
+        pub direction: [f32; 3],
+        pub range: f32,
+        pub color: [f32; 3],
+        pub cone_scale: f32,
+        pub cone_offset: f32,
+        pub radius: f32,
     }
 
     pub struct Fragment {
@@ -31,11 +54,26 @@ mirrors! {
         pub id: u32,
         pub material: u32,
         pub covered: u32,
+        pub instance: u32,
+        pub triangle: u32,
+        pub vertices: [u32; 3],
+        pub at: [f32; 3],
+        pub at_dx: [f32; 3],
+        pub at_dy: [f32; 3],
         pub position: [f32; 3],
         pub normal: [f32; 3],
-        pub uv: [f32; 2],
-        pub uv_dx: [f32; 2],
-        pub uv_dy: [f32; 2],
+        pub facing: [f32; 3],
+        pub flip: f32,
+    }
+
+    pub struct Appearance {
+        pub base: [f32; 4],
+        pub emissive: [f32; 3],
+        pub metallic: f32,
+        pub normal: [f32; 3],
+        pub roughness: f32,
+        pub occlusion: f32,
+        pub flags: u32,
     }
 
     pub struct TransformParams {
@@ -98,25 +136,43 @@ mirrors! {
         pub part_last: u32,
     }
 
-    pub struct BaseColorParams {
+    /// Push constants of every `texture_*` pass.
+    pub struct TextureParams {
         pub count: u32,
+        pub slot: u32,
+        pub uv_channels: u32,
+        pub footprint: f32,
+    }
+
+    pub struct AppearanceParams {
+        pub count: u32,
+        pub maps: u32,
+        pub has_colors: u32,
     }
 
     pub struct MaskedParams {
         pub count: u32,
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
+        pub has_colors: u32,
+        pub has_map: u32,
     }
 
-    pub struct ShadeParams {
+    pub struct ShadePhongParams {
+        pub count: u32,
+        pub normals: u32,
+        pub lights: u32,
+        pub shadowed: u32,
+        pub eye: [f32; 4],
+        pub ambient: f32,
+    }
+
+    pub struct ResolveParams {
         pub count: u32,
         pub outputs: u32,
-        pub eye: [f32; 4],
         pub view_depth: [f32; 4],
-        pub light_direction: [f32; 3],
-        pub light_color: [f32; 3],
         pub background: [f32; 3],
-        pub ambient: f32,
+        pub uv_channels: u32,
     }
 
     pub struct MipParams {
@@ -154,7 +210,29 @@ pub const TILE_PX: u32 = 16;
 /// Visibility samples of a pixel.
 pub const SAMPLES: u32 = 4;
 
-/// Bits of `ShadeParams::outputs`.
+/// Bits of `Material::flags`.
+pub const MATERIAL_UNLIT: u32 = 1;
+pub const MATERIAL_NORMAL_MAP: u32 = 2;
+
+/// What each place of a material's map slots holds.
+pub const MAP_SLOTS: usize = 5;
+pub const MAP_BASE_COLOR: usize = 0;
+pub const MAP_NORMAL: usize = 1;
+pub const MAP_METALLIC_ROUGHNESS: usize = 2;
+pub const MAP_OCCLUSION: usize = 3;
+pub const MAP_EMISSIVE: usize = 4;
+
+/// `Light::kind`.
+pub const LIGHT_SUN: u32 = 0;
+pub const LIGHT_POINT: u32 = 1;
+pub const LIGHT_SPOT: u32 = 2;
+
+/// `ShadePhongParams::normals`.
+pub const NORMALS_OF_PIXELS: u32 = 0;
+pub const NORMALS_OF_VERTICES: u32 = 1;
+pub const NORMALS_OF_TRIANGLES: u32 = 2;
+
+/// Bits of `ResolveParams::outputs`.
 pub const OUTPUT_DEPTH: u32 = 1;
 pub const OUTPUT_NORMAL: u32 = 2;
 pub const OUTPUT_POSITION: u32 = 4;

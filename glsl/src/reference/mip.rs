@@ -7,6 +7,8 @@ pub struct Level {
     pub width: usize,
     pub height: usize,
     pub texels: Vec<[f64; 4]>,
+    /// Alpha is multiplied by this when the level is read, so that levels cover alike; 1 where nothing is cut off.
+    pub alpha_scale: f64,
 }
 
 /// Weights of source texels 2i, 2i + 1 and 2i + 2 in target texel i.
@@ -47,7 +49,7 @@ impl Level {
             let wy = weights(y, self.height, height);
             texels.extend((0..width).map(|x| self.filtered(weights(x, self.width, width), wy, x, y)));
         }
-        Self { width, height, texels }
+        Self { width, height, texels, alpha_scale: 1.0 }
     }
 
     /// This level and all coarser ones, down to one texel.
@@ -73,7 +75,7 @@ mod tests {
         for (width, height) in [(8, 8), (7, 5), (13, 1), (1, 6), (31, 17)] {
             let texels: Vec<[f64; 4]> = (0..width * height).map(|i| [(i * 37 % 101) as f64; 4]).collect();
             let mean = texels.iter().map(|t| t[0]).sum::<f64>() / texels.len() as f64;
-            let last = Level { width, height, texels }.chain().pop().unwrap();
+            let last = Level { width, height, texels, alpha_scale: 1.0 }.chain().pop().unwrap();
             assert!((last.texels[0][0] - mean).abs() < 1e-9, "{width} x {height}");
         }
     }

@@ -1,8 +1,8 @@
-//! Twin of `base_color`: the trilinear filter.
+//! Twins of the passes `texture_*`: what a map shows of a pixel, by each filter.
 
 use super::mip::Level;
 
-/// Numbers as in `material.glsl`.
+/// Numbers as in `texture.glsl`.
 pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_MIRROR: u32 = 1;
 pub const WRAP_CLAMP: u32 = 2;
@@ -35,7 +35,8 @@ pub fn bilinear(level: &Level, uv: [f64; 2], wrap: [u32; 2]) -> [f64; 4] {
     let row = |dy: i64| wrapped(y as i64 + dy, level.height, wrap[1]) * level.width;
     let at = |dx, dy| level.texels[row(dy) + column(dx)];
     let (tx, ty) = (p[0] - x, p[1] - y);
-    mix(mix(at(0, 0), at(1, 0), tx), mix(at(0, 1), at(1, 1), tx), ty)
+    let [r, g, b, a] = mix(mix(at(0, 0), at(1, 0), tx), mix(at(0, 1), at(1, 1), tx), ty);
+    [r, g, b, (a * level.alpha_scale).min(1.0)]
 }
 
 /// Level of detail: log2 of the pixel's longer side in texels of the finest level.

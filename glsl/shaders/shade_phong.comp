@@ -1,0 +1,125 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Light by Phong's model (1975): of the pixel's normal, of the vertices' and blended (Gouraud 1971), or of the
+// triangle's, once (flat). A thread per fragment.
+#include "common.glsl"
+#include "pages.glsl"
+#include "surface_point.glsl"
+#include "raster_tables.glsl"
+#include "material.glsl"
+#include "appearance.glsl"
+#include "lights.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;
+    uint normals;  // NORMALS_*
+    uint lights;
+    uint shadowed; // whether `shadows` holds anything
+    vec4 eye;      // w = 1: a place; w = 0: the direction towards an orthographic camera
+    float ambient;
+} params;
+
+PAGED(0, readonly, SurfacePoint, points);
+PAGED(1, readonly, Appearance, appearances);
+PAGED(2, readonly, Light, lights);
+PAGED(3, readonly, float, shadows); // share of each light that arrives, `lights` for each fragment
+PAGED(4, readonly, vec3, positions);
+PAGED(5, readonly, vec3, normals);
+PAGED(6, readonly, vec4, instance_rows);
+PAGED(7, writeonly, vec4, radiance);
+
+const uint NORMALS_OF_PIXELS = 0u;
+const uint NORMALS_OF_VERTICES = 1u;
+const uint NORMALS_OF_TRIANGLES = 2u;
+
+// Phong's highlight: share of the light, and exponent.
+const float SPECULAR_STRENGTH = 0.2;
+const float SPECULAR_EXPONENT = 32.0;
+
+// What a light adds at a place, of white: diffuse in rgb of the first, highlight in the second.
+struct Reflected {
+    vec3 diffuse;
+    vec3 specular;
+};
+
+Reflected reflected(Light light, vec3 position, vec3 normal) {
+    Incoming arriving = incoming(light, position);
+    float cosine = dot(normal, arriving.direction);
+    if (cosine <= 0.0) {
+        return Reflected(vec3(0.0), vec3(0.0));
+    }
+    vec3 to_eye = normalize(params.eye.xyz - params.eye.w * position);
+    vec3 mirrored = 2.0 * cosine * normal - arriving.direction;
+    float highlight = pow(max(dot(mirrored, to_eye), 0.0), SPECULAR_EXPONENT);
+    return Reflected(arriving.irradiance * cosine, arriving.irradiance * (SPECULAR_STRENGTH * highlight));
+}
+
+vec3 mapped(uint row, vec4 v) {
+    vec3 result;
+    for (uint k = 0u; k < 3u; ++k) {
+        result[k] = dot(LOAD(instance_rows, row + k), v);
+    }
+    return result;
+}
+
+vec3 unit_or_zero(vec3 v) {
+    float squared = dot(v, v);
+    return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
+}
+
+// At vertex k of the triangle.
+Reflected at_vertex(SurfacePoint point, Light light, uint k) {
+    uint row = point.instance * INSTANCE_ROWS;
+    vec3 position = mapped(row + WORLD_ROW, vec4(LOAD(positions, point.vertices[k]), 1.0));
+    vec3 normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(LOAD(normals, point.vertices[k]), 0.0)));
+    return reflected(light, position, point.flip * normal);
+}
+
+Reflected blended(SurfacePoint point, Light light) {
+    Reflected sum = Reflected(vec3(0.0), vec3(0.0));
+    [[dont_unroll]] for (uint k = 0u; k < 3u; ++k) {
+        Reflected corner = at_vertex(point, light, k);
+        sum.diffuse += point.at[k] * corner.diffuse;
+        sum.specular += point.at[k] * corner.specular;
+    }
+    return sum;
+}
+
+vec3 centre(SurfacePoint point) {
+    vec3 sum = vec3(0.0);
+    for (uint k = 0u; k < 3u; ++k) {
+        sum += LOAD(positions, point.vertices[k]) / 3.0;
+    }
+    return mapped(point.instance * INSTANCE_ROWS + WORLD_ROW, vec4(sum, 1.0));
+}
+
+Reflected of_light(SurfacePoint point, vec3 normal, Light light) {
+    if (params.normals == NORMALS_OF_VERTICES) {
+        return blended(point, light);
+    }
+    if (params.normals == NORMALS_OF_TRIANGLES) {
+        return reflected(light, centre(point), point.facing);
+    }
+    return reflected(light, point.position, normal);
+}
+
+void element(uint i) {
+    SurfacePoint point = LOAD(points, i);
+    Appearance a = LOAD(appearances, i);
+    vec3 color = a.base.rgb;
+    if ((a.flags & MATERIAL_UNLIT) == 0u) {
+        color = a.base.rgb * (params.ambient * a.occlusion) + a.emissive;
+        [[dont_unroll]] for (uint l = 0u; l < params.lights; ++l) {
+            float arriving = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
+            if (arriving > 0.0) {
+                Reflected light = of_light(point, a.normal, LOAD(lights, l));
+                color += arriving * (a.base.rgb * light.diffuse + light.specular);
+            }
+        }
+    }
+    STORE(radiance, i, vec4(color, a.base.a));
+}
+
+#include "batch.glsl"
