@@ -15,6 +15,7 @@ pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use look::LookArgs;
+pub(crate) use values::LightArg;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
 
@@ -191,6 +192,17 @@ pub(crate) enum ShadowsArg {
     Ray,
 }
 
+/// How light becomes colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ShadingArg {
+    /// Phong's model, once for each triangle
+    Flat,
+    /// Phong's model at the vertices, blended
+    Gouraud,
+    /// Phong's model at each pixel
+    Phong,
+}
+
 const RENDER_EXAMPLES: &str = "\
 Examples:
   displace render model.glb -o flat.png
@@ -227,6 +239,9 @@ pub(crate) struct RenderArgs {
     /// Shadows of the light; ray needs --device reference, and takes 64 rays a pixel without --supersample
     #[arg(long, value_enum, value_name = "KIND", default_value = "none", help_heading = "Look")]
     pub(crate) shadows: ShadowsArg,
+    /// How light becomes colour
+    #[arg(long, value_enum, value_name = "KIND", default_value = "phong", help_heading = "Look")]
+    pub(crate) shading: ShadingArg,
     /// More images: any of depth, normal, position, uv, triangle
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,

@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, CompressArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadowsArg, SpaceArg,
-        WrapArg, values::Swizzle,
+        AovArg, CameraArgs, ChannelArg, CompressArg, LightArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadingArg,
+        ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -195,13 +195,31 @@ pub(crate) fn view(args: &CameraArgs) -> v1::View {
     v1::View { camera, width: args.size.width, height: args.size.height }
 }
 
-pub(crate) fn lighting(look: &LookArgs, shadows: ShadowsArg) -> v1::Lighting {
+pub(crate) fn lighting(look: &LookArgs, shadows: ShadowsArg, shading: ShadingArg) -> v1::Lighting {
     let shadows = match shadows {
         ShadowsArg::None => v1::Shadows::None,
         ShadowsArg::Ray => v1::Shadows::Ray,
     };
-    let direction = look.light.map(|d| d.to_vec()).unwrap_or_default();
-    v1::Lighting { direction, ambient: look.ambient, shadows: shadows.into() }
+    let shading = match shading {
+        ShadingArg::Flat => v1::Shading::Flat,
+        ShadingArg::Gouraud => v1::Shading::Gouraud,
+        ShadingArg::Phong => v1::Shading::Phong,
+    };
+    v1::Lighting {
+        lights: look.light.iter().map(light).collect(),
+        ambient: look.ambient,
+        shadows: shadows.into(),
+        shading: shading.into(),
+    }
+}
+
+fn light(light: &LightArg) -> v1::Light {
+    use v1::light::Shape;
+    let shape = match light {
+        LightArg::Sun(direction) => Shape::Sun(v1::Sun { direction: direction.to_vec() }),
+        LightArg::Point(position) => Shape::Point(v1::PointLight { position: position.to_vec() }),
+    };
+    v1::Light { shape: Some(shape), intensity: None }
 }
 
 pub(crate) fn aov(aov: AovArg) -> v1::Aov {

@@ -37,6 +37,7 @@ const uint NORMALS_OF_TRIANGLES = 2u;
 // Phong's highlight: share of the light, and exponent.
 const float SPECULAR_STRENGTH = 0.2;
 const float SPECULAR_EXPONENT = 32.0;
+const float ONE_OVER_PI = 0.318309886;
 
 // What a light adds at a place, of white: diffuse in rgb of the first, highlight in the second.
 struct Reflected {
@@ -53,7 +54,8 @@ Reflected reflected(Light light, vec3 position, vec3 normal) {
     vec3 to_eye = normalize(params.eye.xyz - params.eye.w * position);
     vec3 mirrored = 2.0 * cosine * normal - arriving.direction;
     float highlight = pow(max(dot(mirrored, to_eye), 0.0), SPECULAR_EXPONENT);
-    return Reflected(arriving.irradiance * cosine, arriving.irradiance * (SPECULAR_STRENGTH * highlight));
+    vec3 scattered = arriving.irradiance * ONE_OVER_PI;
+    return Reflected(scattered * cosine, scattered * (SPECULAR_STRENGTH * highlight));
 }
 
 vec3 mapped(uint row, vec4 v) {

@@ -76,12 +76,11 @@ vec3 unit_or_zero(vec3 v) {
     return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
 }
 
-// Unit normal of the triangle in the world, towards the side of `normal`.
-vec3 facing_of(uint row, mat3 position, vec3 normal) {
+// Unit normal of the triangle's front in the world.
+vec3 front_of(uint row, mat3 position) {
     vec3 across = cross(position[1] - position[0], position[2] - position[0]);
     float largest = max(max(abs(across.x), abs(across.y)), abs(across.z));
-    vec3 facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(largest > 0.0 ? across / largest : across, 0.0)));
-    return dot(facing, normal) < 0.0 ? -facing : facing;
+    return unit_or_zero(mapped(row + NORMAL_ROW, vec4(largest > 0.0 ? across / largest : across, 0.0)));
 }
 
 void element(uint i) {
@@ -102,7 +101,7 @@ void element(uint i) {
     vec3 place = mapped(row + WORLD_ROW, vec4(position * b.at, 1.0));
     STORE(points, i, SurfacePoint(
         fragment.id, part.material, fragment.extra, part.instance, triangle, v, b.at, b.dx, b.dy, place, n,
-        facing_of(row, position, n), flip));
+        flip * front_of(row, position), flip));
 }
 
 #include "batch.glsl"

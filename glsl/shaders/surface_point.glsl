@@ -11,6 +11,6 @@ struct SurfacePoint {
     vec3 at_dy;
     vec3 position;  // world
     vec3 normal;    // world, interpolated and made unit, towards the viewer's side; zero where there is none
-    vec3 facing;    // world, of the triangle, on the side of the normal's; zero where it has no area
+    vec3 facing;    // world, of the triangle, towards the viewer; zero where it has no area
     float flip;     // -1 where the back is seen, 1 elsewhere
 };

@@ -33,6 +33,7 @@ pub mod refine;
 pub mod samples;
 pub mod scan;
 pub mod shade_phong;
+pub mod shadow_rays;
 pub mod site;
 pub mod smooth;
 pub mod sort;

@@ -16,6 +16,7 @@ mod inputs;
 mod job;
 mod key;
 mod levels;
+mod looks;
 mod measure;
 mod normal_maps;
 mod owner;

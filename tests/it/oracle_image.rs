@@ -10,7 +10,7 @@ use std::sync::Arc;
 use displace_server::{
     domain::{
         cancel::{Cancel, NoProgress},
-        image::{ImageSet, RenderCamera, RenderInstance, RenderLight, RenderMaterial},
+        image::{ImageSet, Lighting, RenderCamera, RenderInstance, RenderMaterial, Shading},
         request::Aov,
     },
     oracle::image::{Exposure, OracleMesh, OracleScene, render},
@@ -37,22 +37,18 @@ fn direction(at_px: DVec2, size_px: u32) -> DVec3 {
 }
 
 /// One mesh of one colour, seen from both sides.
-fn scene(mesh: OracleMesh, color: [f32; 3], light: RenderLight) -> OracleScene {
+fn scene(mesh: OracleMesh, color: [f32; 3], lighting: Lighting) -> OracleScene {
     let [r, g, b] = color;
-    let material = RenderMaterial {
-        base_color_factor: [r, g, b, 1.0],
-        base_color: None,
-        map_from_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        wrap: Default::default(),
-        double_sided: true,
-        alpha_cutoff: None,
-    };
+    let material =
+        RenderMaterial { base_color_factor: [r, g, b, 1.0], double_sided: true, ..RenderMaterial::default() };
     OracleScene {
         meshes: vec![mesh],
         instances: vec![RenderInstance { mesh: 0, world_from_mesh: IDENTITY }],
         materials: vec![material],
         camera: camera(),
-        light,
+        lighting,
+        shading: Shading::Phong,
+        uv_channels: 1,
         aovs: AOVS.to_vec(),
     }
 }
@@ -89,7 +85,7 @@ fn torus() -> OracleScene {
     };
     let normals: Vec<DVec3> = mesh_.normals.iter().map(wide).collect();
     let mesh = mesh(mesh_.positions.iter().map(wide).collect(), &normals, mesh_.triangles);
-    scene(mesh, [0.8, 0.5, 0.3], RenderLight::default())
+    scene(mesh, [0.8, 0.5, 0.3], Lighting::default())
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::{direction, unit_interval};
+use super::values::{LightArg, light, unit_interval};
 
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Look")]
@@ -12,9 +12,10 @@ pub(crate) struct LookArgs {
     /// Base colour map, sRGB, for every material; apply writes it to the GLB
     #[arg(long, value_name = "MAP")]
     pub(crate) base_color: Option<PathBuf>,
-    /// Direction towards the light, world space [default: 1,1,1]
-    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
-    pub(crate) light: Option<[f32; 3]>,
+    /// A light, repeatable: the direction towards a sun, or the place of a point light, world space [default: the
+    /// file's, else 1,1,1]
+    #[arg(long, value_name = "X,Y,Z|point:X,Y,Z", value_parser = light, allow_hyphen_values = true)]
+    pub(crate) light: Vec<LightArg>,
     /// Ambient light, linear, 0 to 1 [default: 0.2]
     #[arg(long, value_name = "A", value_parser = unit_interval, allow_hyphen_values = true)]
     pub(crate) ambient: Option<f32>,

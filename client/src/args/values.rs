@@ -72,8 +72,25 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
     values.try_into().map_err(|_| expected())
 }
 
+/// A light: where from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LightArg {
+    /// Towards the light.
+    Sun([f32; 3]),
+    Point([f32; 3]),
+}
+
+/// `X,Y,Z` or `point:X,Y,Z`.
+pub(crate) fn light(text: &str) -> Result<LightArg, String> {
+    match text.split_once(':') {
+        Some(("point", place)) => point(place).map(LightArg::Point),
+        Some((kind, _)) => Err(format!("'{kind}' is no kind of light; give X,Y,Z or point:X,Y,Z")),
+        None => direction(text).map(LightArg::Sun),
+    }
+}
+
 /// `X,Y,Z` with a length.
-pub(crate) fn direction(text: &str) -> Result<[f32; 3], String> {
+fn direction(text: &str) -> Result<[f32; 3], String> {
     let vector = point(text)?;
     let largest = vector.iter().fold(0.0f32, |m, c| m.max(c.abs()));
     if largest > 0.0 { Ok(vector) } else { Err("a direction needs a length; 0,0,0 has none".to_owned()) }

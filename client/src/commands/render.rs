@@ -44,7 +44,7 @@ pub(super) async fn perform(
     let message = RenderRequest {
         surface: Some(surface),
         views: vec![request::view(&args.camera)],
-        lighting: Some(request::lighting(&args.look, args.shadows)),
+        lighting: Some(request::lighting(&args.look, args.shadows, args.shading)),
         aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
         format: format.into(),
         samples: args.supersample.unwrap_or_default(),

@@ -76,6 +76,23 @@ mirrors! {
         pub flags: u32,
     }
 
+    pub struct BvhNode {
+        pub low: [f32; 3],
+        pub skip: u32,
+        pub high: [f32; 3],
+        pub first: u32,
+    }
+
+    pub struct ShadowRaysParams {
+        pub count: u32,
+        pub lights: u32,
+        pub nodes: u32,
+        pub part_last: u32,
+        pub uv_channels: u32,
+        pub has_colors: u32,
+        pub offset_world: f32,
+    }
+
     pub struct TransformParams {
         pub count: u32,
         pub instance: u32,
@@ -221,6 +238,9 @@ pub const MAP_NORMAL: usize = 1;
 pub const MAP_METALLIC_ROUGHNESS: usize = 2;
 pub const MAP_OCCLUSION: usize = 3;
 pub const MAP_EMISSIVE: usize = 4;
+
+/// `BvhNode::first` of a node that has nodes below it.
+pub const BVH_INNER: u32 = u32::MAX;
 
 /// `Light::kind`.
 pub const LIGHT_SUN: u32 = 0;

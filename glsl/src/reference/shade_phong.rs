@@ -1,5 +1,7 @@
 //! Twin of `shade_phong`: Phong's model (1975) at a place, for light that arrives there.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::DVec3;
 
 use super::lights::incoming;
@@ -43,5 +45,6 @@ pub fn reflected(light: &Light, position: DVec3, normal: DVec3, eye: glam::DVec4
     let to_eye = (eye.truncate() - eye.w * position).normalize();
     let mirrored = 2.0 * cosine * normal - arriving.direction;
     let highlight = mirrored.dot(to_eye).max(0.0).powf(SPECULAR_EXPONENT);
-    Reflected { diffuse: arriving.irradiance * cosine, specular: arriving.irradiance * (SPECULAR_STRENGTH * highlight) }
+    let scattered = arriving.irradiance * FRAC_1_PI;
+    Reflected { diffuse: scattered * cosine, specular: scattered * (SPECULAR_STRENGTH * highlight) }
 }

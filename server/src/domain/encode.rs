@@ -10,7 +10,7 @@ use png::{BitDepth, ColorType, SrgbRenderingIntent};
 
 use super::{
     Error, Result,
-    image::{ImageSet, ImageSettings},
+    image::{ImageSet, ImageSettings, LightShape, RenderLight},
     request::{ImageFormat, Shadows},
 };
 
@@ -56,18 +56,22 @@ fn settings_attributes(settings: &ImageSettings) -> Vec<(&'static str, Attribute
         Shadows::None => "none",
         Shadows::Ray => "ray",
     };
-    vec![
+    let mut attributes = vec![
         ("displace.samples", AttributeValue::I32(settings.samples as i32)),
         ("displace.filter", text("box")),
         ("displace.shadows", text(shadows)),
-        ("displace.light_direction", vector(settings.light.direction_world)),
-        ("displace.light_color", vector(settings.light.color)),
-        ("displace.ambient", AttributeValue::F32(settings.light.ambient)),
-        ("displace.background", vector(settings.light.background)),
+        ("displace.lights", AttributeValue::I32(settings.lighting.lights.len() as i32)),
+        ("displace.ambient", AttributeValue::F32(settings.lighting.ambient)),
+        ("displace.background", vector(settings.lighting.background)),
         ("displace.device", text(&settings.device)),
         ("displace.build", text(&settings.build)),
         ("displace.residual_world", AttributeValue::F64(settings.residual_world)),
-    ]
+    ];
+    if let [RenderLight { shape: LightShape::Sun { direction_world }, color }] = settings.lighting.lights[..] {
+        attributes.push(("displace.light_direction", vector(direction_world)));
+        attributes.push(("displace.light_color", vector(color)));
+    }
+    attributes
 }
 
 /// Linear light to the sRGB curve (IEC 61966-2-1), 8 bits.
@@ -328,7 +332,7 @@ mod tests {
         let settings = ImageSettings {
             samples: 256,
             shadows: Shadows::Ray,
-            light: RenderLight::default(),
+            lighting: crate::domain::image::Lighting::default(),
             device: "Δ é".into(),
             build: "1+2".into(),
             residual_world: 1.5e-9,

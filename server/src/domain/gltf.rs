@@ -11,6 +11,7 @@ mod displacement;
 mod extensions;
 mod images;
 mod json;
+mod light;
 mod material;
 mod node;
 mod primitive;
@@ -97,6 +98,7 @@ pub fn load(bytes: &Bytes, resources: &Resources<'_>, limits: &Limits) -> Result
         materials,
         images,
         cameras: graph.cameras,
+        lights: graph.lights,
         warnings,
         ..Scene::default()
     };

@@ -1,63 +1,20 @@
 //! What the renderer takes and gives: meshes, materials, a camera, and images per output.
 
+mod lighting;
+mod plan;
+
 use std::sync::Arc;
 
+use displace_glsl::layout::raster::MAP_SLOTS;
 use glam::DMat4;
-use serde::{Deserialize, Serialize};
 
 use super::{
-    Error, Result,
     detail::Wrap,
-    request::{Aov, Rays, Shadows},
+    request::{Aov, Shadows},
 };
 
-/// The pure-data recipe of a render.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ImagePlan {
-    pub width: u32,
-    pub height: u32,
-    /// Visibility samples per pixel: 4.
-    pub samples: u32,
-    /// Traces the image instead: the image oracle's work, on the reference alone.
-    pub rays: Option<Rays>,
-    /// The image is made in slabs of at most so many pixels a side; a multiple of 16.
-    pub slab_px: u32,
-    pub device_bytes: u64,
-}
-
-/// How much a scene holds, known before any of it is made.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ImageContents {
-    /// Of all meshes, each counted once.
-    pub vertices: u64,
-    pub triangles: u64,
-    /// Of all instances, each counted as often as it is used.
-    pub instance_vertices: u64,
-    pub instance_triangles: u64,
-    /// Texels of the distinct base colour maps.
-    pub texels: u64,
-    pub has_colors: bool,
-    pub aovs: Vec<Aov>,
-}
-
-impl ImagePlan {
-    pub const MAX_SIDE: u32 = 16384;
-    pub const MAX_SLAB: u32 = 512;
-
-    /// Plans an image. Fails when a side is out of range.
-    pub fn new(width: u32, height: u32, contents: &ImageContents) -> Result<Self> {
-        for (field, side) in [("size.width", width), ("size.height", height)] {
-            if !(1..=Self::MAX_SIDE).contains(&side) {
-                let message = format!("{side} is out of range; 1 to {} pixels are allowed", Self::MAX_SIDE);
-                return Err(Error::invalid(field, message));
-            }
-        }
-        let slab_px = Self::MAX_SLAB;
-        let slab_pixels = u64::from(width.min(slab_px)) * u64::from(height.min(slab_px));
-        let device_bytes = contents.scene_bytes() + contents.work_bytes(slab_pixels);
-        Ok(Self { width, height, samples: 4, rays: None, slab_px, device_bytes })
-    }
-}
+pub use lighting::{LightShape, Lighting, RenderLight, Shading};
+pub use plan::{ImageContents, ImagePlan};
 
 /// How an image was taken, for the files that can hold it.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,30 +22,12 @@ pub struct ImageSettings {
     /// A pixel: rays, or the renderer's samples of visibility. Their mean is the pixel: a box filter.
     pub samples: u32,
     pub shadows: Shadows,
-    pub light: RenderLight,
+    pub lighting: Lighting,
     /// Name of the device.
     pub device: String,
     pub build: String,
     /// No point of what is shown is farther from the surface it stands for, world units.
     pub residual_world: f64,
-}
-
-impl ImageContents {
-    /// Vertices (place, normal, uv, perhaps a colour), triangles, maps with their mips in half floats.
-    fn scene_bytes(&self) -> u64 {
-        let per_vertex = 12 + 12 + 8 + if self.has_colors { 16 } else { 0 };
-        self.vertices * per_vertex + self.triangles * 12 + self.texels * 8 * 4 / 3
-    }
-
-    /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
-    fn work_bytes(&self, slab_pixels: u64) -> u64 {
-        let screen = 16 * self.instance_vertices;
-        let listed = self.instance_triangles.min(1 << 20);
-        let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
-        let per_sample = 8 + 16 + 60 + 16;
-        let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
-        screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
-    }
 }
 
 /// Everything an image shows, in host memory.
@@ -98,7 +37,10 @@ pub struct RenderScene {
     pub instances: Vec<RenderInstance>,
     pub materials: Vec<RenderMaterial>,
     pub camera: RenderCamera,
-    pub light: RenderLight,
+    pub lighting: Lighting,
+    pub shading: Shading,
+    /// Of each vertex; at least 1 where there are vertices.
+    pub uv_channels: u32,
     pub aovs: Vec<Aov>,
 }
 
@@ -109,38 +51,44 @@ impl RenderScene {
         let vertices = |mesh: &RenderMesh| mesh.positions.len() as u64;
         let triangles = |mesh: &RenderMesh| mesh.triangles.len() as u64;
         let used = || self.instances.iter().filter_map(|instance| self.meshes.get(instance.mesh));
-        let mut maps: Vec<&Arc<ColorMap>> = self.materials.iter().filter_map(|m| m.base_color.as_ref()).collect();
-        maps.sort_by_key(|map| Arc::as_ptr(map));
-        maps.dedup_by_key(|map| Arc::as_ptr(map));
+        let maps = || self.materials.iter().flat_map(|material| &material.maps);
         ImageContents {
             vertices: self.meshes.iter().map(vertices).sum(),
             triangles: self.meshes.iter().map(triangles).sum(),
             instance_vertices: used().map(vertices).sum(),
             instance_triangles: used().map(triangles).sum(),
-            texels: maps.iter().map(|map| map.texels.len() as u64).sum(),
+            texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
+            uv_channels: self.uv_channels,
+            has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
+            map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),
         }
     }
+
+    /// Whether any material has a map in this place of its `maps`.
+    #[must_use]
+    pub fn has_map(&self, slot: usize) -> bool {
+        self.materials.iter().any(|material| material.maps[slot].is_some())
+    }
 }
 
-impl Aov {
-    /// Per pixel.
-    fn bytes(self) -> u64 {
-        match self {
-            Self::Depth | Self::Triangle => 4,
-            Self::Uv => 8,
-            Self::Normal | Self::Position => 12,
-        }
-    }
+fn distinct<'a>(maps: impl Iterator<Item = &'a Arc<ColorMap>>) -> impl Iterator<Item = &'a Arc<ColorMap>> {
+    let mut maps: Vec<_> = maps.collect();
+    maps.sort_by_key(|map| Arc::as_ptr(map));
+    maps.dedup_by_key(|map| Arc::as_ptr(map));
+    maps.into_iter()
 }
 
 #[derive(Clone, Debug, Default)]
 pub struct RenderMesh {
     pub positions: Arc<Vec<[f32; 3]>>,
     pub normals: Arc<Vec<[f32; 3]>>,
-    /// The UV set of the base colour map of each vertex's material; (0, 0) where it has none.
+    /// `uv_channels` of each vertex; (0, 0) where it has none.
     pub uvs: Arc<Vec<[f32; 2]>>,
+    /// Of corners, three for each triangle: in the mesh's space, unit, and handedness, all 0 where there is none.
+    /// Empty when no triangle has any.
+    pub tangents: Arc<Vec<[f32; 4]>>,
     /// Linear RGBA; empty means white.
     pub colors: Arc<Vec<[f32; 4]>>,
     pub triangles: Arc<Vec<[u32; 3]>>,
@@ -156,18 +104,35 @@ pub struct RenderInstance {
 }
 
 /// glTF's alpha mode MASK has a cut-off; other materials are opaque.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RenderMaterial {
     /// Linear RGBA.
     pub base_color_factor: [f32; 4],
-    pub base_color: Option<Arc<ColorMap>>,
-    pub map_from_uv: [[f32; 3]; 2],
-    pub wrap: [Wrap; 2],
+    pub metallic_factor: f32,
+    /// Perceptual.
+    pub roughness_factor: f32,
+    /// Linear radiance.
+    pub emissive_factor: [f32; 3],
+    pub normal_scale: f32,
+    pub occlusion_strength: f32,
+    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1].
+    pub maps: [Option<RenderMap>; MAP_SLOTS],
     pub double_sided: bool,
     pub alpha_cutoff: Option<f32>,
+    pub unlit: bool,
 }
 
-/// A decoded colour image: linear RGBA f32, row-major, level 0 only (the renderer builds the mips).
+/// A map as a material uses it.
+#[derive(Clone, Debug)]
+pub struct RenderMap {
+    pub map: Arc<ColorMap>,
+    /// Of each vertex's `uvs`.
+    pub uv_channel: u32,
+    pub map_from_uv: [[f32; 3]; 2],
+    pub wrap: [Wrap; 2],
+}
+
+/// A decoded image: linear RGBA f32, or vectors, row-major, level 0 only (the renderer builds the mips).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColorMap {
     pub width: u32,
@@ -190,23 +155,6 @@ impl RenderCamera {
         let [clip_from_view, view_from_world] =
             [self.clip_from_view, self.view_from_world].map(|m| DMat4::from_cols_array(&m.map(f64::from)));
         (clip_from_view * view_from_world).as_mat4().to_cols_array()
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderLight {
-    /// Unit vector towards the light.
-    pub direction_world: [f32; 3],
-    pub color: [f32; 3],
-    pub ambient: f32,
-    /// Linear RGB behind everything.
-    pub background: [f32; 3],
-}
-
-impl Default for RenderLight {
-    fn default() -> Self {
-        let s = 1.0 / 3f32.sqrt();
-        Self { direction_world: [s, s, s], color: [1.0; 3], ambient: 0.2, background: [0.05; 3] }
     }
 }
 

@@ -22,7 +22,7 @@ pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
     let uses_plain = use_plain_material(scene, plain)?;
     if uses_plain {
         array(&mut scene.document, "materials")?.push(json!({ "name": "base color" }));
-        scene.materials.push(Material { base_color_factor: [1.0; 4], ..Material::default() });
+        scene.materials.push(Material::default());
     }
     for material in scene.document.get_mut("materials").and_then(Value::as_array_mut).into_iter().flatten() {
         let material = material.as_object_mut().ok_or_else(malformed)?;

@@ -7,7 +7,7 @@ mod float_tiff;
 mod pixels;
 mod resolve;
 
-pub use color::color_map;
+pub use color::{Encoding, color_map, texture_map};
 pub use pixels::{Pixels, decode};
 pub use resolve::{AssetBytes, Details, resolve};
 

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Digest,
     detail::{Sampling, Wrap},
+    image::{RenderLight, Shading},
 };
 
 /// Work to be estimated.
@@ -243,10 +244,11 @@ pub enum CameraChoice {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Look {
-    /// Unit vector towards the light, world space.
-    pub light_direction: [f32; 3],
+    /// Empty: those of the file, or a sun.
+    pub lights: Vec<RenderLight>,
     /// Ambient light, linear, 0 to 1.
     pub ambient: f32,
+    pub shading: Shading,
     pub shadows: Shadows,
 }
 

@@ -20,6 +20,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     pub images: Vec<SceneImage>,
     pub cameras: Vec<Camera>,
+    pub lights: Vec<PunctualLight>,
     /// Diagonal of the undisplaced scene's box, world units.
     pub diagonal: f64,
     /// Box of the undisplaced scene, world units.
@@ -80,20 +81,85 @@ impl Instance {
     }
 }
 
-#[derive(Clone, Debug, Default)]
+/// A material of glTF 2.0, 3.9; its default is that of the format.
+#[derive(Clone, Debug)]
 pub struct Material {
     pub name: Option<String>,
     /// Linear RGBA.
     pub base_color_factor: [f32; 4],
     pub base_color: Option<TextureUse>,
+    pub metallic_factor: f32,
+    /// Perceptual.
+    pub roughness_factor: f32,
+    /// Green is roughness, blue metallic.
+    pub metallic_roughness: Option<TextureUse>,
+    /// In the tangent frame of MikkTSpace.
+    pub normal: Option<TextureUse>,
+    pub normal_scale: f32,
+    /// Also where the map is only in a format of an extension.
     pub has_normal_map: bool,
     /// TEXCOORD_n of the normal map.
     pub normal_uv_set: u32,
+    /// Red is the share of light from everywhere that arrives.
+    pub occlusion: Option<TextureUse>,
+    pub occlusion_strength: f32,
+    pub emissive: Option<TextureUse>,
+    /// Linear radiance, KHR_materials_emissive_strength worked in.
+    pub emissive_factor: [f32; 3],
+    /// KHR_materials_unlit.
+    pub unlit: bool,
     pub double_sided: bool,
     /// Cut-off of alpha mode MASK.
     pub alpha_cutoff: Option<f32>,
     /// KHR_materials_displacement(s): H = factor · red + offset.
     pub displacement: Option<MaterialDisplacement>,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: None,
+            base_color_factor: [1.0; 4],
+            base_color: None,
+            metallic_factor: 1.0,
+            roughness_factor: 1.0,
+            metallic_roughness: None,
+            normal: None,
+            normal_scale: 1.0,
+            has_normal_map: false,
+            normal_uv_set: 0,
+            occlusion: None,
+            occlusion_strength: 1.0,
+            emissive: None,
+            emissive_factor: [0.0; 3],
+            unlit: false,
+            double_sided: false,
+            alpha_cutoff: None,
+            displacement: None,
+        }
+    }
+}
+
+/// A light of KHR_lights_punctual where a node puts it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PunctualLight {
+    pub kind: PunctualKind,
+    /// Linear.
+    pub color: [f32; 3],
+    /// Lux of a directional light, candela of others.
+    pub intensity: f32,
+    /// World units, nothing arrives from farther; `None`: endless.
+    pub range: Option<f32>,
+    pub position_world: [f32; 3],
+    /// Where it shines, unit, world space.
+    pub direction_world: [f32; 3],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PunctualKind {
+    Directional,
+    Point,
+    Spot { inner_cone_radians: f32, outer_cone_radians: f32 },
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 mod description;
 mod details;
 mod geometry;
+mod look;
 mod measurement;
 mod request;
 mod tolerance;

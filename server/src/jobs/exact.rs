@@ -6,14 +6,19 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 
-use super::{WorkContext, images, inputs::Inputs};
+use super::{
+    WorkContext,
+    inputs::Inputs,
+    looks::{self, UvSets},
+};
 use crate::{
     domain::{
         Result, camera,
-        image::{RenderCamera, RenderInstance, RenderLight},
+        image::{RenderCamera, RenderInstance},
         mesh::{Attribute, Mesh},
         request::RenderRequest,
-        scene::{Material, Scene},
+        scene::Scene,
+        weld::mikk_tangents,
     },
     oracle::{
         dicing::{Dicing, Limits, Region, dice},
@@ -33,7 +38,8 @@ const NEAREST: f64 = 1e-3;
 const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
-    let materials = images::materials(&mut inputs.scene)?;
+    let sets = UvSets::of(&inputs.scene.materials);
+    let materials = looks::materials(&mut inputs.scene, &sets)?;
     let scene = &inputs.scene;
     let choice = SeamChoice::from(&request.surface.geometry);
     let pairs = scene.meshes.iter().zip(&inputs.details);
@@ -45,8 +51,9 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
     let lens = Lens::new(&camera, request.height, NEAREST * scene.diagonal);
     let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > RESIDUAL_PX)?;
     let parts = surfaces.iter().zip(&finely).enumerate();
-    let meshes = parts.map(|(mesh, (surface, dicing))| oracle_mesh(scene, mesh, surface, dicing)).collect();
-    let look = &request.look;
+    let meshes = parts
+        .map(|(mesh, (surface, dicing))| oracle_mesh(scene, &sets, mesh, surface, dicing))
+        .collect::<Result<_>>()?;
     Ok(OracleScene {
         meshes,
         instances: scene
@@ -56,7 +63,9 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
             .collect(),
         materials,
         camera,
-        light: RenderLight { direction_world: look.light_direction, ambient: look.ambient, ..RenderLight::default() },
+        lighting: looks::lighting(&request.look, scene),
+        shading: request.look.shading,
+        uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })
 }
@@ -138,7 +147,13 @@ impl Lens {
     }
 }
 
-fn oracle_mesh(scene: &Scene, mesh: usize, surface: &Surface<'_>, dicing: &Dicing) -> OracleMesh {
+fn oracle_mesh(
+    scene: &Scene,
+    sets: &UvSets,
+    mesh: usize,
+    surface: &Surface<'_>,
+    dicing: &Dicing,
+) -> Result<OracleMesh> {
     let base = &scene.meshes[mesh].mesh;
     let colors = base.attribute("COLOR_0");
     let mut made = OracleMesh::default();
@@ -153,21 +168,45 @@ fn oracle_mesh(scene: &Scene, mesh: usize, surface: &Surface<'_>, dicing: &Dicin
     let normal = |(_, t, at)| surface.position_and_normal(t, at).1.as_vec3().to_array();
     made.positions = corners().map(|(vertex, ..)| dicing.positions[vertex]).collect();
     made.normals = Arc::new(corners().map(normal).collect());
-    made.uvs = Arc::new(corners().map(|(_, t, at)| uv(base, &scene.materials, t, at)).collect());
+    made.uvs = Arc::new(corners().flat_map_iter(|(_, t, at)| uvs(base, sets, t, at)).collect());
     made.colors = Arc::new(colors.map_or(Vec::new(), |c| corners().map(|(_, t, at)| color(base, c, t, at)).collect()));
     made.triangles = Arc::new((0..dicing.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
     let enlarged = scene.instances.iter().filter(|i| i.mesh == mesh).map(|i| enlargement(&i.world_from_mesh));
     let residual = f64::from(dicing.residual.iter().copied().fold(0.0, f32::max));
     made.residual_world = residual * enlarged.fold(0.0, f64::max);
-    made
+    made.tangents = Arc::new(tangents(scene, sets, mesh, &made)?);
+    Ok(made)
 }
 
-/// In the set that the base colour map of the triangle's material reads.
-fn uv(mesh: &Mesh, materials: &[Material], t: usize, at: DVec3) -> [f32; 2] {
-    let primitive = mesh.triangles[t].primitive as usize;
-    let texture = mesh.primitives[primitive].material.and_then(|m| materials[m].base_color.as_ref());
-    let set = mesh.attribute(&format!("TEXCOORD_{}", texture.map_or(0, |t| t.uv_set)));
-    set.map_or([0.0; 2], |set| [0, 1].map(|k| blended(mesh, set, t, at, k)))
+/// MikkTSpace's, of corners, where a material has a normal map and the mesh the UVs that it reads.
+fn tangents(scene: &Scene, sets: &UvSets, mesh: usize, made: &OracleMesh) -> Result<Vec<[f32; 4]>> {
+    let mut tangents = Vec::new();
+    let starts = &made.material_of_triangles;
+    for (k, &(first, material)) in starts.iter().enumerate() {
+        let end = starts.get(k + 1).map_or(made.triangles.len(), |next| next.0 as usize);
+        let Some(normal) = scene.materials.get(material as usize).and_then(|m| m.normal.as_ref()) else { continue };
+        if scene.meshes[mesh].mesh.attribute(&format!("TEXCOORD_{}", normal.uv_set)).is_none() {
+            continue;
+        }
+        let (count, channel) = (sets.count() as usize, sets.channel(normal.uv_set) as usize);
+        let corners = mikk_tangents(
+            &made.triangles[first as usize..end],
+            |v| made.positions[v as usize].as_vec3().to_array(),
+            |v| made.normals[v as usize],
+            |v| made.uvs[v as usize * count + channel],
+        )?;
+        tangents.resize(3 * made.triangles.len(), [0.0; 4]);
+        tangents[3 * first as usize..3 * end].copy_from_slice(&corners);
+    }
+    Ok(tangents)
+}
+
+/// In each of the sets; (0, 0) where the mesh lacks one.
+fn uvs(mesh: &Mesh, sets: &UvSets, t: usize, at: DVec3) -> Vec<[f32; 2]> {
+    let of_set = |semantic: String| {
+        mesh.attribute(&semantic).map_or([0.0; 2], |set| [0, 1].map(|k| blended(mesh, set, t, at, k)))
+    };
+    sets.semantics().map(of_set).collect()
 }
 
 /// RGBA, white where the primitive has none.

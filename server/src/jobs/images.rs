@@ -1,40 +1,42 @@
 //! From displaced surfaces and the file's materials to what the renderer takes.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
+use super::looks::{self, UvSets};
 use crate::domain::{
-    Error, Result, camera,
-    image::{ColorMap, RenderInstance, RenderLight, RenderMaterial, RenderMesh, RenderScene},
-    maps,
-    mesh::Mesh,
+    Result, camera,
+    image::{RenderInstance, RenderMesh, RenderScene},
+    mesh::{Mesh, Primitive},
     report::Warning,
     request::RenderRequest,
-    scene::{Material, Scene, TextureUse},
+    scene::{Material, Scene},
     surface::Surface,
+    weld::mikk_tangents,
 };
-
-const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-
-/// Of all base colour maps together, 16 bytes each while they are decoded.
-const MOST_TEXELS: usize = 1 << 27;
 
 /// Consumes the surfaces: their streams become the renderer's without a copy.
 pub(super) fn render_scene(request: &RenderRequest, scene: &mut Scene, surfaces: Vec<Surface>) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
-    let materials = materials(scene)?;
-    let meshes = scene.meshes.iter().zip(surfaces);
-    let meshes = meshes.map(|(m, surface)| render_mesh(&m.mesh, &scene.materials, surface)).collect();
+    let sets = UvSets::of(&scene.materials);
+    let materials = looks::materials(scene, &sets)?;
+    let mut meshes = Vec::with_capacity(surfaces.len());
+    for (m, surface) in scene.meshes.iter().zip(surfaces) {
+        let mut warnings = Vec::new();
+        meshes.push(render_mesh(&m.mesh, &scene.materials, &sets, surface, &mut warnings)?);
+        scene.warnings.extend(warnings);
+    }
     let instances = scene.instances.iter();
-    let look = &request.look;
     Ok(RenderScene {
         meshes,
         instances: instances.map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh }).collect(),
         materials,
         camera: camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?,
-        light: RenderLight { direction_world: look.light_direction, ambient: look.ambient, ..RenderLight::default() },
+        lighting: looks::lighting(&request.look, scene),
+        shading: request.look.shading,
+        uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })
 }
@@ -55,58 +57,16 @@ fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
     if low.is_finite() && high.is_finite() { [low.into(), high.into()] } else { scene.bounds }
 }
 
-/// The scene's materials, then one for primitives without.
-pub(super) fn materials(scene: &mut Scene) -> Result<Vec<RenderMaterial>> {
-    let mut images: HashMap<usize, Option<Arc<ColorMap>>> = HashMap::new();
-    let mut texels = 0;
-    let mut materials = Vec::new();
-    for material in scene.materials.clone().iter().chain([&without()]) {
-        let texture = material.base_color.as_ref();
-        if let Some(new) = texture.map(|texture| texture.image).filter(|image| !images.contains_key(image)) {
-            let map = of_file(scene, new);
-            texels += map.as_ref().map_or(0, |map| map.texels.len());
-            if texels > MOST_TEXELS {
-                let message = format!("the base colour maps have more than {MOST_TEXELS} texels: use smaller maps");
-                return Err(Error::too_large("images", message));
-            }
-            images.insert(new, map);
-        }
-        let map = texture.and_then(|texture| images.get(&texture.image).cloned().flatten());
-        materials.push(render_material(material, texture, map));
-    }
-    Ok(materials)
-}
-
-fn without() -> Material {
-    Material { base_color_factor: [1.0; 4], ..Material::default() }
-}
-
-/// An image of the file; one that cannot be had is left out with a warning, as viewers do.
-fn of_file(scene: &mut Scene, image: usize) -> Option<Arc<ColorMap>> {
-    let bytes = scene.images.get(image)?.bytes.clone()?;
-    match maps::color_map(&format!("images[{image}]"), &bytes) {
-        Ok(map) => Some(Arc::new(map)),
-        Err(error) => {
-            scene.warnings.push(Warning::new("image_unreadable", format!("{error}; the factor alone is used")));
-            None
-        }
-    }
-}
-
-fn render_material(material: &Material, texture: Option<&TextureUse>, map: Option<Arc<ColorMap>>) -> RenderMaterial {
-    RenderMaterial {
-        base_color_factor: material.base_color_factor,
-        base_color: map,
-        map_from_uv: texture.map_or(IDENTITY, |t| t.map_from_uv),
-        wrap: texture.map_or_else(Default::default, |t| t.wrap),
-        double_sided: material.double_sided,
-        alpha_cutoff: material.alpha_cutoff,
-    }
-}
-
-fn render_mesh(mesh: &Mesh, materials: &[Material], mut surface: Surface) -> RenderMesh {
-    let uvs = uvs(mesh, materials, &surface);
+fn render_mesh(
+    mesh: &Mesh,
+    materials: &[Material],
+    sets: &UvSets,
+    mut surface: Surface,
+    warnings: &mut Vec<Warning>,
+) -> Result<RenderMesh> {
+    let uvs = uvs(mesh, sets, &surface);
     let colors = colors(mesh, &surface);
+    let tangents = tangents(mesh, materials, &surface, warnings)?;
     let material_of_triangles = mesh
         .primitives
         .iter()
@@ -115,29 +75,67 @@ fn render_mesh(mesh: &Mesh, materials: &[Material], mut surface: Surface) -> Ren
             (first as u32, p.material.unwrap_or(materials.len()) as u32)
         })
         .collect();
-    RenderMesh {
+    Ok(RenderMesh {
         positions: Arc::new(std::mem::take(&mut surface.positions)),
         normals: Arc::new(std::mem::take(&mut surface.normals)),
         uvs: Arc::new(uvs),
+        tangents: Arc::new(tangents),
         colors: Arc::new(colors),
         triangles: Arc::new(std::mem::take(&mut surface.triangles)),
         material_of_triangles,
-    }
+    })
 }
 
-/// Each vertex's UV in the set its material's base colour map reads.
-fn uvs(mesh: &Mesh, materials: &[Material], surface: &Surface) -> Vec<[f32; 2]> {
-    let mut uvs = vec![[0.0; 2]; surface.positions.len()];
-    for primitive in &mesh.primitives {
-        let texture = primitive.material.and_then(|m| materials[m].base_color.as_ref());
-        let semantic = format!("TEXCOORD_{}", texture.map_or(0, |t| t.uv_set));
+/// Each vertex's UVs in the sets that maps read.
+fn uvs(mesh: &Mesh, sets: &UvSets, surface: &Surface) -> Vec<[f32; 2]> {
+    let count = sets.count() as usize;
+    let mut uvs = vec![[0.0; 2]; count * surface.positions.len()];
+    for (channel, semantic) in sets.semantics().enumerate() {
         let Some(index) = mesh.attributes.iter().position(|a| a.semantic == semantic) else { continue };
         let values: &[[f32; 2]] = bytemuck::cast_slice(&surface.attributes[index]);
-        for range in surface.vertices_of(mesh, primitive) {
-            uvs[range.clone()].copy_from_slice(&values[range]);
-        }
+        uvs.par_chunks_mut(count).zip(values).for_each(|(uvs, value)| uvs[channel] = *value);
     }
     uvs
+}
+
+/// Of corners, where a material has a normal map: as a result's file has them. Empty where none has.
+fn tangents(
+    mesh: &Mesh,
+    materials: &[Material],
+    surface: &Surface,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<[f32; 4]>> {
+    let mut tangents = Vec::new();
+    for (p, primitive) in mesh.primitives.iter().enumerate() {
+        let Some(material) = primitive.material.map(|m| &materials[m]).filter(|m| m.normal.is_some()) else { continue };
+        let semantic = format!("TEXCOORD_{}", material.normal_uv_set);
+        let attribute = mesh.attributes.iter().position(|a| a.semantic == semantic && a.primitives[p]);
+        let Some(index) = attribute else { continue };
+        let range = surface.layout.triangles_of_primitive(primitive);
+        let values: &[[f32; 2]] = bytemuck::cast_slice(&surface.attributes[index]);
+        match of_primitive(mesh, primitive, surface, values) {
+            Ok(made) => {
+                tangents.resize(3 * surface.triangles.len(), [0.0; 4]);
+                tangents[3 * range.start..3 * range.end].copy_from_slice(&made);
+            }
+            Err(error) if error.kind == crate::domain::ErrorKind::TooLarge => {
+                let message = format!("mesh '{}': {error}; its normal map is not shown", mesh.name);
+                warnings.push(Warning::new("no_tangents", message));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(tangents)
+}
+
+/// The file's own where the surface is the mesh itself, else those of MikkTSpace.
+fn of_primitive(mesh: &Mesh, primitive: &Primitive, surface: &Surface, uvs: &[[f32; 2]]) -> Result<Vec<[f32; 4]>> {
+    let triangles = &surface.triangles[surface.layout.triangles_of_primitive(primitive)];
+    let is_of_file = mesh.has_tangents(primitive) && !primitive.made_tangents;
+    if is_of_file && surface.positions.len() == mesh.av_gv.len() {
+        return Ok(triangles.as_flattened().iter().map(|v| mesh.av_tangent[*v as usize]).collect());
+    }
+    mikk_tangents(triangles, |v| surface.positions[v as usize], |v| surface.normals[v as usize], |v| uvs[v as usize])
 }
 
 /// COLOR_0 as RGBA, white where a primitive has none; empty when no primitive has any.

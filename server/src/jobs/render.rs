@@ -9,7 +9,7 @@ use crate::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, RenderLight},
+        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting},
         report::{Estimate, PassTime, Report},
         request::{ImageFormat, RenderRequest, Shadows},
     },
@@ -100,7 +100,7 @@ impl RenderWork {
         let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
         let samples = plan.rays.map_or(plan.samples, |rays| rays.samples);
-        let settings = self.settings(samples, scene.light, 0.0, context.executor);
+        let settings = self.settings(samples, scene.lighting.clone(), 0.0, context.executor);
         Ok(Taken { images, settings, passes })
     }
 
@@ -116,20 +116,20 @@ impl RenderWork {
         let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };
         let trace = || oracle::image::render(&scene, &exposure, context.cancel, context.progress);
         let images = inputs::timed(context.progress, "image", &mut passes, trace)?;
-        let settings = self.settings(rays.samples, scene.light, scene.residual_world(), context.executor);
+        let settings = self.settings(rays.samples, scene.lighting.clone(), scene.residual_world(), context.executor);
         Ok(Taken { images, settings, passes })
     }
 
     fn settings(
         &self,
         samples: u32,
-        light: RenderLight,
+        lighting: Lighting,
         residual_world: f64,
         executor: &dyn Executor,
     ) -> ImageSettings {
         let shadows = self.request.rays().map_or(Shadows::None, |rays| rays.shadows);
         let device = executor.device_name().into();
-        ImageSettings { samples, shadows, light, device, build: BUILD_ID.into(), residual_world }
+        ImageSettings { samples, shadows, lighting, device, build: BUILD_ID.into(), residual_world }
     }
 }
 

@@ -6,12 +6,14 @@
 //! | `image/scene.rs` | what is shown |
 //! | `image/view.rs` | from pixels to rays |
 //! | `image/world.rs` | from rays to points of surfaces |
+//! | `image/material.rs` | what a surface looks like at a point |
 //! | `image/shading.rs` | from points to colours |
 //! | `image/sampling.rs` | where the samples of a pixel lie |
 //!
-//! The filter is the renderer's own, a box over the pixel: a pixel is the mean of its samples. Colour maps are
+//! The filter is the renderer's own, a box over the pixel: a pixel is the mean of its samples. Maps are
 //! read at their finest level. The further outputs are those at the pixel's centre, not means.
 
+mod material;
 mod sampling;
 mod scene;
 mod shading;
@@ -26,14 +28,14 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use crate::domain::{
     Result,
     cancel::{Cancel, Progress},
-    image::ImageSet,
+    image::{ImageSet, Lighting, Shading},
     request::Aov,
 };
 
 pub use scene::{OracleMesh, OracleScene};
 
 use sampling::Places;
-use shading::Light;
+use shading::{Eye, arriving, direct, indirect};
 use view::View;
 use world::{Seen, World};
 
@@ -72,8 +74,8 @@ pub fn render(scene: &OracleScene, exposure: &Exposure, cancel: &Cancel, progres
 struct Camera<'s> {
     world: World<'s>,
     view: View,
-    light: Light,
-    background: DVec3,
+    lighting: &'s Lighting,
+    shading: Shading,
     samples: u32,
     shadows: bool,
     wants_centre: bool,
@@ -85,8 +87,8 @@ impl<'s> Camera<'s> {
         Ok(Self {
             world: World::new(scene, view.mirrored)?,
             view,
-            light: Light::from(&scene.light),
-            background: DVec3::from_array(scene.light.background.map(f64::from)),
+            lighting: &scene.lighting,
+            shading: scene.shading,
             samples: exposure.samples,
             shadows: exposure.shadows,
             wants_centre: !scene.aovs.is_empty(),
@@ -104,11 +106,21 @@ impl<'s> Camera<'s> {
     }
 
     fn radiance(&self, ray: &Segment) -> DVec3 {
-        let Some(seen) = self.world.seen(ray) else { return self.background };
-        let base = seen.base.truncate();
-        let direct = self.light.direct(base, seen.normal, -ray.direction);
-        let lit = direct == DVec3::ZERO || !self.shadows || !self.world.is_shadowed(&seen, self.light.direction);
-        self.light.indirect(base) + if lit { direct } else { DVec3::ZERO }
+        let Some(seen) = self.world.seen(ray) else {
+            return DVec3::from_array(self.lighting.background.map(f64::from));
+        };
+        if seen.look.unlit {
+            return seen.look.base.truncate();
+        }
+        let eye = self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
+        let of_light = |light| {
+            let color = direct(self.shading, light, &seen, eye);
+            let towards = arriving(light, seen.position);
+            let is_dark = color == DVec3::ZERO
+                || (self.shadows && self.world.is_shadowed(&seen, towards.direction, towards.distance));
+            if is_dark { DVec3::ZERO } else { color }
+        };
+        indirect(self.lighting, &seen) + self.lighting.lights.iter().map(of_light).sum::<DVec3>()
     }
 }
 
@@ -124,7 +136,7 @@ impl Pixel {
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some(seen) = self.centre else { return };
         set(&mut images.depth, i, self.depth as f32);
-        set(&mut images.normal, i, seen.normal.as_vec3().to_array());
+        set(&mut images.normal, i, seen.look.normal.as_vec3().to_array());
         set(&mut images.position, i, seen.position.as_vec3().to_array());
         set(&mut images.uv, i, seen.uv.as_vec2().to_array());
         set(&mut images.triangle, i, seen.triangle);

@@ -36,20 +36,30 @@ pub fn render(
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
     let mut tables = Tables::new(plan, scene)?;
-    let textures = Textures::new(scene, &mut tables.materials)?;
+    let textures = Textures::new(scene, &mut tables.texture_uses)?;
     let mut run = Run { device, job, times: Vec::new() };
     let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
     run.record(|recorder| textures.record_mips(recorder, &streams.texels))?;
-    let work = WorkStreams::new(device, plan, &scene.aovs, &tables)?;
+    let work = WorkStreams::new(device, plan, scene, &tables)?;
+    let frame = Frame { plan, scene, tables: &tables, streams: &streams, work: &work };
     let mut images = empty_images(plan, scene);
     let slabs = slabs(plan);
     for (done, slab) in slabs.iter().enumerate() {
-        visibility::fill(&mut run, &tables, &streams, &work, plan, *slab, done == 0)?;
-        shading::shade(&mut run, &tables, &streams, &work, scene, *slab)?;
+        visibility::fill(&mut run, &frame, *slab, done == 0)?;
+        shading::shade(&mut run, &frame, *slab)?;
         shading::copy_out(&work, *slab, &mut images)?;
         job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
     }
     Ok((images, run.times))
+}
+
+/// What the steps of a render share.
+pub(crate) struct Frame<'a> {
+    plan: &'a ImagePlan,
+    scene: &'a RenderScene,
+    tables: &'a Tables,
+    streams: &'a SceneStreams,
+    work: &'a WorkStreams,
 }
 
 /// A rectangle of the image, pixels.

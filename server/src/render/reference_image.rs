@@ -1,27 +1,23 @@
 //! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
 //! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
-use std::sync::Arc;
+mod shading;
 
 use displace_glsl::{
-    layout::raster::{INSTANCE_ROWS, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
+    layout::raster::{INSTANCE_ROWS, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
     reference::{
-        base_color,
         clip::clip,
-        mip::Level,
         raster::{SAMPLES, ScreenTriangle},
-        shade::{Light, phong},
-        surface::{Barycentrics, barycentrics, unit_or_zero},
         transform::{Snapped, homogeneous, needs_clip, snapped},
     },
 };
-use glam::{DVec2, DVec3, DVec4};
+use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
     domain::{
         Result,
-        image::{ColorMap, ImagePlan, ImageSet, RenderMesh, RenderScene},
+        image::{ImagePlan, ImageSet, RenderMesh, RenderScene},
         report::PassTime,
         request::{Rays, Shadows},
     },
@@ -35,10 +31,11 @@ use super::{
     JobContext,
     image::{
         empty_images,
-        shading::eye_and_depth,
-        tables::{self, Tables, wrap_numbers},
+        tables::{self, Tables},
     },
 };
+
+use shading::{Hit, Shader};
 
 /// Pixel rows whose triangles are listed together.
 const BAND_ROWS: u32 = 16;
@@ -119,7 +116,7 @@ impl Pixel {
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some((id, hit)) = self.hit else { return };
         set(&mut images.depth, i, self.depth as f32);
-        set(&mut images.normal, i, hit.normal.as_vec3().to_array());
+        set(&mut images.normal, i, hit.look.normal.as_vec3().to_array());
         set(&mut images.position, i, hit.position.as_vec3().to_array());
         set(&mut images.uv, i, hit.uv.as_vec2().to_array());
         set(&mut images.triangle, i, id);
@@ -132,41 +129,16 @@ fn set<T>(image: &mut Option<Vec<T>>, i: usize, value: T) {
     }
 }
 
-struct Hit {
-    position: DVec3,
-    normal: DVec3,
-    uv: DVec2,
-    base: DVec4,
-}
-
 struct Oracle<'a> {
     scene: &'a RenderScene,
     tables: Tables,
     width: u32,
-    /// Mip levels of each material's map.
-    maps: Vec<Option<Arc<Vec<Level>>>>,
-    light: Light,
-    eye: DVec4,
-    view_depth: DVec4,
+    shader: Shader,
 }
 
 impl<'a> Oracle<'a> {
     fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
-        let (eye, view_depth) = eye_and_depth(&scene.camera);
-        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        Ok(Self {
-            scene,
-            tables: Tables::new(plan, scene)?,
-            width: plan.width,
-            maps: map_levels(scene),
-            light: Light {
-                direction: wide(scene.light.direction_world),
-                color: wide(scene.light.color),
-                ambient: f64::from(scene.light.ambient),
-            },
-            eye: DVec4::from_array(eye.map(f64::from)),
-            view_depth: DVec4::from_array(view_depth.map(f64::from)),
-        })
+        Ok(Self { scene, tables: Tables::new(plan, scene)?, width: plan.width, shader: Shader::new(scene) })
     }
 
     fn rows(&self, part: &Part) -> &[[f32; 4]] {
@@ -177,12 +149,16 @@ impl<'a> Oracle<'a> {
         &self.scene.meshes[self.scene.instances[part.instance as usize].mesh]
     }
 
-    /// Vertices of a triangle, as its mesh numbers them.
-    fn vertices(&self, part: &Part, id: u32) -> [usize; 3] {
+    /// Number of a triangle in its mesh.
+    fn triangle(&self, part: &Part, id: u32) -> usize {
         let mesh = self.scene.instances[part.instance as usize].mesh;
         let base = self.tables.meshes[mesh].triangle_base as u32;
-        let triangle = part.triangle_base - base + (id - part.first_triangle);
-        self.scene.meshes[mesh].triangles[triangle as usize].map(|v| v as usize)
+        (part.triangle_base - base + (id - part.first_triangle)) as usize
+    }
+
+    /// Vertices of a triangle, as its mesh numbers them.
+    fn vertices(&self, part: &Part, id: u32) -> [usize; 3] {
+        self.mesh(part).triangles[self.triangle(part, id)].map(|v| v as usize)
     }
 
     fn part(&self, id: u32) -> &Part {
@@ -247,11 +223,11 @@ impl<'a> Oracle<'a> {
             return true;
         }
         let cutoff = f64::from(self.tables.materials[part.material as usize].alpha_cutoff);
-        self.hit(id, at.map(|x| x as f64 / 256.0)).base.w >= cutoff
+        self.hit(id, at.map(|x| x as f64 / 256.0)).look.base.w >= cutoff
     }
 
     fn pixel(&self, x: u32, y: u32, samples: &[Seen; 4]) -> Pixel {
-        let background = DVec3::from_array(self.scene.light.background.map(f64::from));
+        let background = DVec3::from_array(self.scene.lighting.background.map(f64::from));
         let empty = samples.iter().filter(|s| s.id == NOTHING).count();
         let mut pixel = Pixel { color: background * (0.25 * empty as f64), hit: None, depth: f64::INFINITY };
         let mut most = empty.saturating_sub(1);
@@ -264,97 +240,30 @@ impl<'a> Oracle<'a> {
             let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
             let scale = 1.0 / (256.0 * covered.len() as f64);
             let hit = self.hit(sample.id, [f64::from(x) + centre(0) * scale, f64::from(y) + centre(1) * scale]);
-            pixel.color += self.light(&hit) * (0.25 * covered.len() as f64);
+            pixel.color += self.shader.radiance(&self.tables, &hit) * (0.25 * covered.len() as f64);
             if covered.len() > most {
                 most = covered.len();
-                pixel.depth = self.view_depth.dot(hit.position.extend(1.0));
+                pixel.depth = self.shader.depth(hit.position);
                 pixel.hit = Some((sample.id, hit));
             }
         }
         pixel
     }
 
-    fn light(&self, hit: &Hit) -> DVec3 {
-        let to_eye = (self.eye.truncate() - self.eye.w * hit.position).normalize();
-        phong(&self.light, hit.base.truncate(), hit.normal, to_eye)
-    }
-
     fn hit(&self, id: u32, at_px: [f64; 2]) -> Hit {
         let part = self.part(id);
-        let (mesh, rows, v) = (self.mesh(part), self.rows(part), self.vertices(part, id));
-        let b = barycentrics(v.map(|v| {
-            let h = homogeneous(rows, mesh.positions[v]);
-            DVec3::new(h.x - at_px[0] * h.w, h.y - at_px[1] * h.w, h.w)
-        }));
-        let position = blend(&b.at, v.map(|v| vec3(mesh.positions[v])));
-        let normal = blend(&b.at, v.map(|v| vec3(mesh.normals[v])));
-        let world = |first: usize, p: DVec4| {
-            DVec3::from_array([0, 1, 2].map(|k| DVec4::from_array(rows[first + k].map(f64::from)).dot(p)))
+        let place = shading::Place {
+            part,
+            mesh: self.mesh(part),
+            rows: self.rows(part),
+            triangle: self.triangle(part, id),
+            uv_channels: self.scene.uv_channels as usize,
         };
-        let normal = unit_or_zero(world(7, normal.extend(0.0)));
-        let back = b.clockwise != (part.flags & PART_MIRRORED != 0);
-        Hit {
-            position: world(4, position.extend(1.0)),
-            normal: if back { -normal } else { normal },
-            uv: uv_at(mesh, v, &b.at),
-            base: self.base_color(part, mesh, v, &b),
-        }
-    }
-
-    fn base_color(&self, part: &Part, mesh: &RenderMesh, v: [usize; 3], b: &Barycentrics) -> DVec4 {
-        let material = &self.scene.materials[part.material as usize];
-        let mut color = DVec4::from_array(material.base_color_factor.map(f64::from));
-        if part.flags & PART_COLORED != 0 {
-            let at = |k: usize| DVec4::from_array(mesh.colors[v[k]].map(f64::from));
-            color *= at(0) * b.at.x + at(1) * b.at.y + at(2) * b.at.z;
-        }
-        if let Some(levels) = &self.maps[part.material as usize] {
-            let map = |uv: DVec2, one: f64| {
-                material.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
-            };
-            let (uv, dx, dy) = (uv_at(mesh, v, &b.at), uv_at(mesh, v, &b.dx), uv_at(mesh, v, &b.dy));
-            let wrap = wrap_numbers(material.wrap);
-            color *= DVec4::from_array(base_color::trilinear(levels, map(uv, 1.0), map(dx, 0.0), map(dy, 0.0), wrap));
-        }
-        color
+        let material = part.material as usize;
+        self.shader.hit(&place, &self.scene.materials[material], &self.tables.materials[material], at_px)
     }
 }
 
 fn faces_viewer(triangle: &ScreenTriangle, flags: u32) -> bool {
     flags & PART_DOUBLE_SIDED != 0 || triangle.turned != (flags & PART_MIRRORED != 0)
-}
-
-fn vec3(v: [f32; 3]) -> DVec3 {
-    DVec3::from_array(v.map(f64::from))
-}
-
-fn blend(weights: &DVec3, corners: [DVec3; 3]) -> DVec3 {
-    corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
-}
-
-fn uv_at(mesh: &RenderMesh, v: [usize; 3], weights: &DVec3) -> DVec2 {
-    let [a, b, c] = v.map(|v| DVec2::from_array(mesh.uvs[v].map(f64::from)));
-    a * weights.x + b * weights.y + c * weights.z
-}
-
-/// Mip levels per material; materials that share a map share its levels.
-fn map_levels(scene: &RenderScene) -> Vec<Option<Arc<Vec<Level>>>> {
-    let mut known: Vec<(&Arc<ColorMap>, Arc<Vec<Level>>)> = Vec::new();
-    let mut levels = Vec::new();
-    for map in scene.materials.iter().map(|material| material.base_color.as_ref()) {
-        levels.push(map.map(|map| match known.iter().find(|(other, _)| Arc::ptr_eq(other, map)) {
-            Some((_, levels)) => levels.clone(),
-            None => {
-                let levels = Arc::new(finest_level(map).chain());
-                known.push((map, levels.clone()));
-                levels
-            }
-        }));
-    }
-    levels
-}
-
-fn finest_level(map: &ColorMap) -> Level {
-    let texels = map.texels.iter().map(|texel| texel.map(f64::from)).collect();
-    Level { width: map.width as usize, height: map.height as usize, texels }
 }

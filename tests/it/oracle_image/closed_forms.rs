@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use displace_server::domain::image::RenderLight;
+use displace_server::domain::image::{Lighting, RenderLight};
 use glam::{DVec2, DVec3};
 
 use super::{EYE, OracleMesh, OracleScene, direction, image, mesh, scene};
 
 /// Shows what is covered as 1 and the rest as 0.
-fn silhouette() -> RenderLight {
-    RenderLight { color: [0.0; 3], ambient: 1.0, background: [0.0; 3], ..RenderLight::default() }
+fn silhouette() -> Lighting {
+    Lighting { lights: Vec::new(), ambient: 1.0, background: [0.0; 3] }
 }
 
 /// Radius 1.
@@ -73,7 +73,7 @@ fn wide(p: [f32; 3]) -> DVec3 {
 
 #[test]
 fn a_lit_sphere_has_the_colours_of_the_formula() {
-    let image = image(&scene(sphere(DVec3::ZERO, 6), [0.5; 3], RenderLight::default()), 64, 256, false);
+    let image = image(&scene(sphere(DVec3::ZERO, 6), [0.5; 3], Lighting::default()), 64, 256, false);
     let hit = |d: DVec3| {
         let d = d.normalize();
         let half = d.dot(EYE);
@@ -127,7 +127,7 @@ fn on_waves(d: DVec3) -> DVec3 {
 
 #[test]
 fn waves_have_the_places_normals_and_colours_of_the_formula() {
-    let image = image(&scene(waves(2048), [0.5; 3], RenderLight::default()), 64, 256, false);
+    let image = image(&scene(waves(2048), [0.5; 3], Lighting::default()), 64, 256, false);
     let (position, normal, depth) = (image.position.unwrap(), image.normal.unwrap(), image.depth.unwrap());
     for (x, y) in (17..47).flat_map(|y| (17..47).map(move |x| (x, y))) {
         let i = (y * 64 + x) as usize;
@@ -148,7 +148,7 @@ fn book() -> OracleScene {
     let places = [(-2.0, -2.0), (0.0, -2.0), (2.0, -2.0), (-2.0, 2.0), (0.0, 2.0), (2.0, 2.0)];
     let places: Vec<DVec3> = places.map(|(x, y)| corner(x, y)).to_vec();
     let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
-    scene(mesh(places, &[DVec3::Z; 6], triangles), [1.0; 3], RenderLight::default())
+    scene(mesh(places, &[DVec3::Z; 6], triangles), [1.0; 3], Lighting::default())
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn square_over_plane() -> OracleScene {
     };
     let places = [square(3.0, 0.0), square(0.5, 1.0)].concat();
     let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-    let light = RenderLight { direction_world: [0.6, 0.0, 0.8], ..RenderLight::default() };
+    let light = Lighting { lights: vec![RenderLight::sun([0.6, 0.0, 0.8])], ..Lighting::default() };
     scene(mesh(places, &[DVec3::Z; 8], triangles), [0.5; 3], light)
 }
 

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use displace_glsl::layout::raster::MAP_BASE_COLOR;
 use displace_server::domain::{
     camera::render_camera,
     detail::Wrap,
-    image::{ColorMap, RenderCamera, RenderInstance, RenderLight, RenderMaterial, RenderMesh, RenderScene},
+    image::{ColorMap, Lighting, RenderCamera, RenderInstance, RenderMap, RenderMaterial, RenderMesh, RenderScene},
     request::CameraChoice,
     scene::Scene,
 };
@@ -37,13 +38,12 @@ impl Builder {
     /// Colours come out as they go in.
     pub(crate) fn unlit(camera: RenderCamera) -> Self {
         let mut builder = Self::lit(camera);
-        builder.scene.light =
-            RenderLight { color: [0.0; 3], ambient: 1.0, background: [LEAK; 3], ..Default::default() };
+        builder.scene.lighting = Lighting { lights: Vec::new(), ambient: 1.0, background: [LEAK; 3] };
         builder
     }
 
     pub(crate) fn lit(camera: RenderCamera) -> Self {
-        Self { scene: RenderScene { camera, aovs: ALL_AOVS.to_vec(), ..Default::default() } }
+        Self { scene: RenderScene { camera, uv_channels: 1, aovs: ALL_AOVS.to_vec(), ..Default::default() } }
     }
 
     pub(crate) fn flat_triangle(&mut self, corners: [[f32; 3]; 3], color: [f32; 3]) {
@@ -51,9 +51,8 @@ impl Builder {
             positions: Arc::new(corners.to_vec()),
             normals: Arc::new(vec![[0.0, 0.0, 1.0]; 3]),
             uvs: Arc::new(vec![[0.0; 2]; 3]),
-            colors: Arc::new(Vec::new()),
             triangles: Arc::new(vec![[0, 1, 2]]),
-            material_of_triangles: Vec::new(),
+            ..RenderMesh::default()
         };
         self.add(mesh, material(color, None), IDENTITY);
     }
@@ -83,22 +82,24 @@ pub(crate) fn render_mesh(mesh: &TestMesh) -> RenderMesh {
         positions: Arc::new(mesh.positions.clone()),
         normals: Arc::new(mesh.normals.clone()),
         uvs: Arc::new(mesh.uvs.clone()),
-        colors: Arc::new(Vec::new()),
         triangles: Arc::new(mesh.triangles.clone()),
         material_of_triangles: vec![(0, 0)],
+        ..RenderMesh::default()
     }
 }
 
 /// Double-sided, with a texture transform that tells its rows apart.
 pub(crate) fn material([r, g, b]: [f32; 3], map: Option<Arc<ColorMap>>) -> RenderMaterial {
-    RenderMaterial {
-        base_color_factor: [r, g, b, 1.0],
-        base_color: map,
+    let base_color = map.map(|map| RenderMap {
+        map,
+        uv_channel: 0,
         map_from_uv: [[3.0, 0.5, 0.1], [-0.25, 2.0, -0.3]],
         wrap: [Wrap::Repeat, Wrap::Mirror],
-        double_sided: true,
-        alpha_cutoff: None,
-    }
+    });
+    let mut material =
+        RenderMaterial { base_color_factor: [r, g, b, 1.0], double_sided: true, ..RenderMaterial::default() };
+    material.maps[MAP_BASE_COLOR] = base_color;
+    material
 }
 
 /// Opaque and transparent squares in uneven colours.

@@ -14,25 +14,46 @@ pub(super) fn read_all(root: &At<'_>) -> Result<Vec<Material>> {
 fn material(root: &At<'_>, at: &At<'_>) -> Result<Material> {
     let pbr = at.get("pbrMetallicRoughness");
     let in_pbr = |key: &str| pbr.as_ref().and_then(|pbr| pbr.get(key));
+    let factor_in_pbr = |key: &str| pbr.as_ref().map_or(Ok(None), |pbr| share(pbr, key));
     let factor = pbr.as_ref().map_or(Ok(None), |pbr| pbr.numbers::<4>("baseColorFactor"))?;
-    let normal = at.get("normalTexture");
+    let used = |texture: Option<At<'_>>| texture.map_or(Ok(None), |texture| texture_use(root, &texture));
+    let (normal, occlusion) = (at.get("normalTexture"), at.get("occlusionTexture"));
+    let scale = normal.as_ref().map_or(Ok(None), |texture| texture.number("scale"))?;
+    let strength = occlusion.as_ref().map_or(Ok(None), |texture| share(texture, "strength"))?;
     let masked = at.text("alphaMode")? == Some("MASK");
     let cutoff = at.number("alphaCutoff")?.unwrap_or(0.5) as f32;
-    let checked =
-        [normal.clone(), in_pbr("metallicRoughnessTexture"), at.get("occlusionTexture"), at.get("emissiveTexture")];
-    for texture in checked.into_iter().flatten() {
-        texture_use(root, &texture)?;
-    }
     Ok(Material {
         name: at.text("name")?.map(str::to_owned),
         base_color_factor: factor.map_or([1.0; 4], |f| f.map(|c| c as f32)),
-        base_color: in_pbr("baseColorTexture").map_or(Ok(None), |t| texture_use(root, &t))?,
+        base_color: used(in_pbr("baseColorTexture"))?,
+        metallic_factor: factor_in_pbr("metallicFactor")?.unwrap_or(1.0),
+        roughness_factor: factor_in_pbr("roughnessFactor")?.unwrap_or(1.0),
+        metallic_roughness: used(in_pbr("metallicRoughnessTexture"))?,
         has_normal_map: normal.is_some(),
         normal_uv_set: normal.as_ref().map_or(Ok(0), uv_set)?,
+        normal: used(normal)?,
+        normal_scale: scale.unwrap_or(1.0) as f32,
+        occlusion: used(occlusion)?,
+        occlusion_strength: strength.unwrap_or(1.0),
+        emissive: used(at.get("emissiveTexture"))?,
+        emissive_factor: emissive(at)?,
+        unlit: at.extension("KHR_materials_unlit").is_some(),
         double_sided: at.flag("doubleSided")?,
         alpha_cutoff: masked.then_some(cutoff),
         displacement: displacement(root, at)?,
     })
+}
+
+/// A number that the format wants within [0, 1]; brought there.
+fn share(at: &At<'_>, key: &str) -> Result<Option<f32>> {
+    Ok(at.number(key)?.map(|value| value.clamp(0.0, 1.0) as f32))
+}
+
+fn emissive(at: &At<'_>) -> Result<[f32; 3]> {
+    let factor = at.numbers::<3>("emissiveFactor")?.unwrap_or([0.0; 3]);
+    let extension = at.extension("KHR_materials_emissive_strength");
+    let strength = extension.as_ref().map_or(Ok(None), |e| e.number("emissiveStrength"))?.unwrap_or(1.0);
+    Ok(factor.map(|c| (c.max(0.0) * strength.max(0.0)).min(f64::from(f32::MAX)) as f32))
 }
 
 fn displacement(root: &At<'_>, at: &At<'_>) -> Result<Option<MaterialDisplacement>> {

@@ -5,10 +5,10 @@ use std::collections::{HashMap, hash_map::Entry};
 use glam::{DMat4, DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::{Limits, json::At, source::Source};
+use super::{Limits, json::At, light, source::Source};
 use crate::domain::{
     Error, Result,
-    scene::{Camera, Scene},
+    scene::{Camera, PunctualLight, Scene},
 };
 
 /// A use of a mesh by a node.
@@ -21,6 +21,7 @@ pub(super) struct Use {
 pub(super) struct Graph {
     pub(super) uses: Vec<Use>,
     pub(super) cameras: Vec<Camera>,
+    pub(super) lights: Vec<PunctualLight>,
 }
 
 pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
@@ -42,6 +43,7 @@ pub(super) fn read(source: &Source<'_>, limits: &Limits) -> Result<Graph> {
         if let Some(camera) = camera {
             graph.cameras.push(read_camera(source, at, camera, world)?);
         }
+        graph.lights.extend(light::of_node(&source.root, at, &world)?);
         let Some(gltf_mesh) = mesh else { continue };
         warn_of_weights(source, at)?;
         let world = match skin {

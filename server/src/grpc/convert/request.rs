@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use displace_proto::v1;
 
 use super::{
-    details, digest, geometry, join, known,
+    details, digest, geometry, join, known, look,
     view::{self, View},
 };
 use crate::{
@@ -103,7 +103,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
         return Err(Error::invalid(join(path, "surface.geometry.normals"), message));
     }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
-    let look = view::lighting(&join(path, "lighting"), request.lighting)?;
+    let look = look::parse(&join(path, "lighting"), request.lighting)?;
     let aovs = aovs(&join(path, "aovs"), &request.aovs)?;
     let format = match known::<v1::ImageFormat>(&join(path, "format"), request.format)? {
         v1::ImageFormat::Unspecified | v1::ImageFormat::Png => ImageFormat::Png,

@@ -1,12 +1,12 @@
-//! Cameras, sizes, light.
+//! Cameras and sizes.
 
 use displace_proto::v1;
 
-use super::{join, known, vector, within};
+use super::{join, vector, within};
 use crate::domain::{
     Error, Result,
     camera::YFOV_DEGREES,
-    request::{CameraChoice, Look, RenderRequest, Shadows},
+    request::{CameraChoice, RenderRequest},
 };
 
 /// Views of one Render in this version.
@@ -14,7 +14,6 @@ pub(crate) const MAX_VIEWS: usize = 1;
 
 const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 const DEFAULT_YFOV_DEGREES: f32 = 40.0;
-const DEFAULT_AMBIENT: f32 = 0.2;
 
 pub(super) struct View {
     pub(super) camera: CameraChoice,
@@ -90,20 +89,6 @@ fn pixels(field: &str, value: u32, default: u32, most: u32) -> Result<u32> {
     Err(Error::invalid(field, format!("{value} pixels are out of range; allowed are 1 to {most}")))
 }
 
-pub(super) fn lighting(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> {
-    let lighting = lighting.unwrap_or_default();
-    let field = join(path, "direction");
-    let towards = if lighting.direction.is_empty() { [1.0; 3] } else { vector(&field, &lighting.direction)? };
-    Ok(Look {
-        light_direction: unit(&field, towards)?,
-        ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(DEFAULT_AMBIENT), 0.0, 1.0)?,
-        shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
-            v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
-            v1::Shadows::Ray => Shadows::Ray,
-        },
-    })
-}
-
 /// 0 stands for as many as are needed.
 pub(super) fn samples(field: &str, samples: u32) -> Result<Option<u32>> {
     let allowed = RenderRequest::SAMPLES;
@@ -112,13 +97,4 @@ pub(super) fn samples(field: &str, samples: u32) -> Result<Option<u32>> {
     }
     let (low, high) = allowed.into_inner();
     Err(Error::invalid(field, format!("{samples} rays a pixel are out of range; allowed are {low} to {high}")))
-}
-
-/// In f64, so that neither huge nor tiny vectors lose their direction.
-fn unit(field: &str, vector: [f32; 3]) -> Result<[f32; 3]> {
-    let length = vector.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>().sqrt();
-    if length == 0.0 {
-        return Err(Error::invalid(field, "has no length; give the direction towards the light"));
-    }
-    Ok(vector.map(|value| (f64::from(value) / length) as f32))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::domain::{
-    image::{RenderCamera, RenderInstance, RenderLight, RenderMaterial, RenderMesh, RenderScene},
+    image::{Lighting, RenderCamera, RenderInstance, RenderMaterial, RenderMesh, RenderScene, Shading},
     request::Aov,
 };
 
@@ -16,19 +16,24 @@ pub struct OracleScene {
     pub instances: Vec<RenderInstance>,
     pub materials: Vec<RenderMaterial>,
     pub camera: RenderCamera,
-    pub light: RenderLight,
+    pub lighting: Lighting,
+    pub shading: Shading,
+    /// Of each vertex; at least 1 where there are vertices.
+    pub uv_channels: u32,
     pub aovs: Vec<Aov>,
 }
 
-/// Triangles with attributes per vertex, as many of each as there are positions.
+/// Triangles with attributes per vertex, as many of each as there are positions but where it says otherwise.
 #[derive(Clone, Debug, Default)]
 pub struct OracleMesh {
     /// Finite, mesh-local.
     pub positions: Vec<DVec3>,
     /// Of any length: they are interpolated, then made unit.
     pub normals: Arc<Vec<[f32; 3]>>,
-    /// Of the base colour map.
+    /// `uv_channels` of each vertex.
     pub uvs: Arc<Vec<[f32; 2]>>,
+    /// Of corners, three for each triangle, and handedness, all 0 where there is none; empty without any.
+    pub tangents: Arc<Vec<[f32; 4]>>,
     /// Linear RGBA; empty means white.
     pub colors: Arc<Vec<[f32; 4]>>,
     pub triangles: Arc<Vec<[u32; 3]>>,
@@ -52,6 +57,7 @@ impl From<&RenderMesh> for OracleMesh {
             positions: mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
             normals: Arc::clone(&mesh.normals),
             uvs: Arc::clone(&mesh.uvs),
+            tangents: Arc::clone(&mesh.tangents),
             colors: Arc::clone(&mesh.colors),
             triangles: Arc::clone(&mesh.triangles),
             material_of_triangles: mesh.material_of_triangles.clone(),
@@ -67,7 +73,9 @@ impl From<&RenderScene> for OracleScene {
             instances: scene.instances.clone(),
             materials: scene.materials.clone(),
             camera: scene.camera,
-            light: scene.light,
+            lighting: scene.lighting.clone(),
+            shading: scene.shading,
+            uv_channels: scene.uv_channels,
             aovs: scene.aovs.clone(),
         }
     }

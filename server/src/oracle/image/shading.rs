@@ -1,67 +1,104 @@
-//! Light and colour as the renderer defines them: Phong's model with a directional light and ambient light, and
-//! base colour maps, read between their texels.
+//! Light as the renderer defines it: Phong's model for lights that have a place or a direction, and ambient light.
 
-use glam::{DVec3, DVec4};
+use std::f64::consts::FRAC_1_PI;
 
-use super::super::field::wrapped;
-use crate::domain::{
-    detail::{Sampling, Wrap},
-    image::{ColorMap, RenderLight},
-};
+use glam::DVec3;
+
+use super::world::{Seen, blend};
+use crate::domain::image::{LightShape, Lighting, RenderLight, Shading};
 
 /// Share and exponent of the highlight, the same for every material.
 const HIGHLIGHT: f64 = 0.2;
 const SHININESS: i32 = 32;
-/// Farther texels than this have no others between them.
-const FARTHEST: f64 = (1u64 << 52) as f64;
 
-/// A light that shines from one direction, and light from everywhere.
+/// A light as it arrives at a place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Light {
-    /// Unit vector towards the light.
+pub(super) struct Arriving {
+    /// Unit, towards the light.
     pub(super) direction: DVec3,
-    color: DVec3,
-    ambient: f64,
+    pub(super) distance: f64,
+    irradiance: DVec3,
 }
 
-impl From<&RenderLight> for Light {
-    fn from(light: &RenderLight) -> Self {
-        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        Self { direction: wide(light.direction_world), color: wide(light.color), ambient: f64::from(light.ambient) }
-    }
-}
-
-impl Light {
-    /// What comes back whether the light is seen or not.
-    pub(super) fn indirect(&self, base: DVec3) -> DVec3 {
-        self.ambient * base
-    }
-
-    /// What comes back of the light itself (Phong 1975), towards the unit vector `to_eye`; 0 from behind.
-    pub(super) fn direct(&self, base: DVec3, normal: DVec3, to_eye: DVec3) -> DVec3 {
-        let cosine = normal.dot(self.direction);
-        if cosine <= 0.0 {
-            return DVec3::ZERO;
+/// What arrives of a light where nothing is in between (KHR_lights_punctual).
+pub(super) fn arriving(light: &RenderLight, position: DVec3) -> Arriving {
+    let color = wide(light.color);
+    match light.shape {
+        LightShape::Sun { direction_world } => {
+            Arriving { direction: wide(direction_world), distance: f64::INFINITY, irradiance: color }
         }
-        let mirrored = 2.0 * cosine * normal - self.direction;
-        let highlight = HIGHLIGHT * mirrored.dot(to_eye).max(0.0).powi(SHININESS);
-        self.color * (cosine * base + highlight)
+        LightShape::Point { position_world, range_world } => from(wide(position_world), range_world, color, position),
+        LightShape::Spot { position_world, range_world, direction_world, cone_cosines: [inner, outer] } => {
+            let all = from(wide(position_world), range_world, color, position);
+            let cosine = -wide(direction_world).dot(all.direction);
+            let wide = (f64::from(inner) - f64::from(outer)).max(1e-3);
+            let share = ((cosine - f64::from(outer)) / wide).clamp(0.0, 1.0);
+            Arriving { irradiance: all.irradiance * share * share, ..all }
+        }
     }
 }
 
-/// The map at (u, v) of [0, 1]², texel i of n at (i + 1/2) / n: at its finest level, whatever the pixel's size;
-/// many samples a pixel are the filter.
-pub(super) fn bilinear(map: &ColorMap, at: [f64; 2], wrap: [Wrap; 2]) -> DVec4 {
-    let size = [map.width, map.height];
-    let place = [0, 1].map(|k| (at[k] * f64::from(size[k]) - 0.5).clamp(-FARTHEST, FARTHEST));
-    let first = place.map(f64::floor);
-    let texel = |i: i64, j: i64| {
-        let x = wrapped(first[0] as i64 + i, size[0], wrap[0], Sampling::Center) as usize;
-        let y = wrapped(first[1] as i64 + j, size[1], wrap[1], Sampling::Center) as usize;
-        DVec4::from_array(map.texels[y * map.width as usize + x].map(f64::from))
+fn from(light: DVec3, range: Option<f32>, color: DVec3, position: DVec3) -> Arriving {
+    let distance = light.distance(position).max(1e-10);
+    let window = range.map_or(1.0, |range| (1.0 - (distance / f64::from(range)).powi(4)).clamp(0.0, 1.0));
+    Arriving { direction: (light - position) / distance, distance, irradiance: color * window / distance.powi(2) }
+}
+
+/// What comes back towards `eye` of a light that arrives, or 0 from behind: diffuse white, and the highlight.
+type Reflection = (DVec3, DVec3);
+
+/// Phong 1975.
+fn reflection(light: &RenderLight, position: DVec3, normal: DVec3, eye: Eye) -> Reflection {
+    let light = arriving(light, position);
+    let cosine = normal.dot(light.direction);
+    if cosine <= 0.0 {
+        return (DVec3::ZERO, DVec3::ZERO);
+    }
+    let mirrored = 2.0 * cosine * normal - light.direction;
+    let highlight = HIGHLIGHT * mirrored.dot(eye.from(position)).max(0.0).powi(SHININESS);
+    (light.irradiance * (cosine * FRAC_1_PI), light.irradiance * (highlight * FRAC_1_PI))
+}
+
+/// Where the viewer is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Eye {
+    At(DVec3),
+    /// Endlessly far in this direction, unit.
+    Towards(DVec3),
+}
+
+impl Eye {
+    fn from(self, position: DVec3) -> DVec3 {
+        match self {
+            Self::At(eye) => (eye - position).normalize(),
+            Self::Towards(direction) => direction,
+        }
+    }
+}
+
+/// What comes back of a light towards the eye, were nothing in between.
+pub(super) fn direct(shading: Shading, light: &RenderLight, seen: &Seen, eye: Eye) -> DVec3 {
+    let (diffuse, highlight) = match shading {
+        Shading::Flat => {
+            let centre = seen.vertices.iter().map(|vertex| vertex.0).sum::<DVec3>() / 3.0;
+            reflection(light, centre, seen.facing, eye)
+        }
+        Shading::Gouraud => {
+            let of = seen.vertices.map(|(position, normal)| reflection(light, position, normal, eye));
+            (blend(seen.weights, of.map(|r| r.0)), blend(seen.weights, of.map(|r| r.1)))
+        }
+        Shading::Phong => reflection(light, seen.position, seen.look.normal, eye),
     };
-    let (s, t) = (place[0] - first[0], place[1] - first[1]);
-    (texel(0, 0) * (1.0 - s) + texel(1, 0) * s) * (1.0 - t) + (texel(0, 1) * (1.0 - s) + texel(1, 1) * s) * t
+    diffuse * seen.look.base.truncate() + highlight
+}
+
+/// What comes back of ambient light, and what shines by itself.
+pub(super) fn indirect(lighting: &Lighting, seen: &Seen) -> DVec3 {
+    f64::from(lighting.ambient) * seen.look.open * seen.look.base.truncate() + seen.look.emissive
+}
+
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
 }
 
 #[cfg(test)]
@@ -70,28 +107,23 @@ mod tests {
 
     #[test]
     fn light_that_comes_back_the_way_it_came_is_brightest() {
-        let light = Light::from(&RenderLight { direction_world: [0.0, 1.0, 0.0], ..RenderLight::default() });
-        let base = DVec3::new(0.5, 0.25, 1.0);
-        assert_eq!(light.direct(base, DVec3::Y, DVec3::Y), base + 0.2);
-        assert_eq!(light.direct(base, DVec3::Y, DVec3::X), base);
-        assert_eq!(light.direct(base, -DVec3::Y, DVec3::Y), DVec3::ZERO);
-        assert_eq!(light.indirect(base), f64::from(0.2f32) * base);
-        let tilted = DVec3::new(0.6, 0.8, 0.0);
+        let light = RenderLight { ..RenderLight::sun([0.0, 1.0, 0.0]) };
+        let at = |normal, eye| reflection(&light, DVec3::ZERO, normal, Eye::Towards(eye));
+        let near = |a: DVec3, b: f64| (a - b).abs().max_element() < 1e-6;
+        let (diffuse, highlight) = at(DVec3::Y, DVec3::Y);
+        assert!(near(diffuse, 1.0) && near(highlight, 0.2), "{diffuse} {highlight}");
+        assert!(near(at(DVec3::Y, DVec3::X).1, 0.0));
+        assert_eq!(at(-DVec3::Y, DVec3::Y), (DVec3::ZERO, DVec3::ZERO));
         // The mirrored light lies at twice the tilt: its cosine to +Y is 2 · 0.8² − 1.
-        let expected = 0.8 * base + 0.2 * 0.28f64.powi(32);
-        assert!((light.direct(base, tilted, DVec3::Y) - expected).length() < 1e-15);
+        let (diffuse, highlight) = at(DVec3::new(0.6, 0.8, 0.0), DVec3::Y);
+        assert!(near(diffuse, 0.8) && near(highlight, 0.2 * 0.28f64.powi(32)), "{diffuse} {highlight}");
     }
 
     #[test]
-    fn maps_are_bilinear_between_texels_and_wrap() {
-        let texels = [0.0, 1.0, 2.0, 7.0].map(|x| [x; 4]).to_vec();
-        let map = ColorMap { width: 2, height: 2, texels };
-        let value = |u, v, wrap| bilinear(&map, [u, v], [wrap; 2]).x;
-        assert_eq!(value(0.5, 0.5, Wrap::Clamp), 2.5);
-        assert_eq!(value(0.375, 0.75, Wrap::Clamp), 3.25);
-        assert_eq!(value(0.0, 0.25, Wrap::Repeat), 0.5);
-        assert_eq!(value(0.0, 0.25, Wrap::Mirror), 0.0);
-        assert_eq!(value(-7.5, 0.25, Wrap::Clamp), 0.0);
-        assert!(value(1e300, -1e300, Wrap::Repeat).is_finite());
+    fn a_point_one_unit_away_shines_as_the_sun_does() {
+        let point = arriving(&RenderLight::point([0.0, 1.0, 0.0]), DVec3::ZERO);
+        let sun = arriving(&RenderLight::sun([0.0, 1.0, 0.0]), DVec3::ZERO);
+        assert_eq!((point.direction, point.irradiance), (sun.direction, sun.irradiance));
+        assert_eq!(arriving(&RenderLight::point([0.0, 2.0, 0.0]), DVec3::ZERO).irradiance * 4.0, sun.irradiance);
     }
 }

@@ -57,6 +57,11 @@ impl View {
         Segment { origin, direction, from, to: if to > from { to } else { f64::INFINITY } }
     }
 
+    /// Where all rays begin, if they do in one place.
+    pub(super) fn eye(&self) -> Option<DVec3> {
+        self.eye
+    }
+
     pub(super) fn depth(&self, position: DVec3) -> f64 {
         self.depth.dot(position.extend(1.0))
     }

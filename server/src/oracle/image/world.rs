@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::{
     super::{
         bvh::Segment,
         ray::{Hit, Tracer},
     },
+    material::{Corners, Look, alpha, look},
     scene::{OracleMesh, OracleScene},
-    shading,
 };
 use crate::domain::{Error, Result, image::RenderMaterial};
 
@@ -21,6 +21,7 @@ struct Part {
     first_of_mesh: u32,
     mesh: usize,
     material: usize,
+    world_from_mesh: DMat3,
     normal_from_mesh: DMat3,
     /// The instance turns the triangles' sense of rotation.
     mirrored: bool,
@@ -40,13 +41,14 @@ pub(super) struct World<'s> {
 pub(super) struct Seen {
     pub(super) triangle: u32,
     pub(super) position: DVec3,
-    /// For shading: unit or 0, on the side that is seen.
-    pub(super) normal: DVec3,
     /// Of the triangle itself, unit, towards where the ray comes from.
     pub(super) facing: DVec3,
+    /// In the set of the base colour map.
     pub(super) uv: DVec2,
-    /// Base colour, linear RGBA.
-    pub(super) base: DVec4,
+    pub(super) look: Look,
+    /// Positions and shading normals of the vertices, on the side that is seen.
+    pub(super) vertices: [(DVec3, DVec3); 3],
+    pub(super) weights: DVec3,
 }
 
 /// A shadow ray begins so many roundings of the largest coordinate off the surface.
@@ -67,6 +69,7 @@ impl<'s> World<'s> {
                 first_of_mesh: run.start as u32,
                 mesh: instance.mesh,
                 material,
+                world_from_mesh: linear,
                 normal_from_mesh: cofactors(linear),
                 mirrored: linear.determinant() < 0.0,
             }));
@@ -87,12 +90,12 @@ impl<'s> World<'s> {
         self.tracer.first_hit_where(ray, shows).map(|hit| self.surface(ray, &hit))
     }
 
-    /// Whether anything is between a point that is seen and a light that is endlessly far. Both sides of a surface
-    /// stop light, wherever it is opaque.
-    pub(super) fn is_shadowed(&self, seen: &Seen, to_light: DVec3) -> bool {
+    /// Whether anything is between a point that is seen and a light so far in a unit direction. Both sides of a
+    /// surface stop light, wherever it is opaque.
+    pub(super) fn is_shadowed(&self, seen: &Seen, to_light: DVec3, distance: f64) -> bool {
         let rounding = SHADOW_ROUNDINGS * seen.position.abs().max_element();
         let origin = seen.position + seen.facing * (rounding + self.residual_world);
-        let ray = Segment { origin, direction: to_light, from: 0.0, to: f64::INFINITY };
+        let ray = Segment { origin, direction: to_light, from: 0.0, to: distance };
         self.tracer.any_hit_where(&ray, |hit| self.is_opaque(self.part(hit.triangle), hit))
     }
 
@@ -111,7 +114,7 @@ impl<'s> World<'s> {
 
     fn is_opaque(&self, part: &Part, hit: &Hit) -> bool {
         match self.material(part).alpha_cutoff {
-            Some(cutoff) if cutoff > 0.0 => self.base_color(part, hit).w >= f64::from(cutoff),
+            Some(cutoff) if cutoff > 0.0 => alpha(self.material(part), &self.corners(part, hit)) >= f64::from(cutoff),
             _ => true,
         }
     }
@@ -126,40 +129,40 @@ impl<'s> World<'s> {
         let part = self.part(hit.triangle);
         let (mesh, v) = self.vertices(part, hit);
         let [a, b, c] = self.tracer.corners(hit.triangle);
-        let w = hit.barycentrics;
-        let normal = blend(w, v.map(|v| DVec3::from_array(mesh.normals[v].map(f64::from))));
-        let normal = (part.normal_from_mesh * normal).normalize_or_zero();
+        let side = if self.is_front(part, hit) { 1.0 } else { -1.0 };
+        let vertex_normal = |v: usize| DVec3::from_array(mesh.normals[v].map(f64::from));
+        let in_world = |normal: DVec3| side * (part.normal_from_mesh * normal).normalize_or_zero();
+        let normal = in_world(blend(hit.barycentrics, v.map(vertex_normal)));
+        let normals = v.map(|v| in_world(vertex_normal(v)));
         let facing = (b - a).cross(c - a).normalize_or_zero();
+        let corners = self.corners(part, hit);
         Seen {
             triangle: hit.triangle,
-            position: blend(w, [a, b, c]),
-            normal: if self.is_front(part, hit) { normal } else { -normal },
+            position: blend(hit.barycentrics, [a, b, c]),
             facing: if facing.dot(ray.direction) > 0.0 { -facing } else { facing },
-            uv: uv_at(mesh, v, w),
-            base: self.base_color(part, hit),
+            uv: corners.uv_of_base_color(self.material(part)),
+            look: look(self.material(part), &corners, normal, side, part.world_from_mesh),
+            vertices: [(a, normals[0]), (b, normals[1]), (c, normals[2])],
+            weights: hit.barycentrics,
         }
     }
 
-    fn base_color(&self, part: &Part, hit: &Hit) -> DVec4 {
-        let ((mesh, v), material) = (self.vertices(part, hit), self.material(part));
-        let mut color = DVec4::from_array(material.base_color_factor.map(f64::from));
-        if !mesh.colors.is_empty() {
-            color *= blend(hit.barycentrics, v.map(|v| DVec4::from_array(mesh.colors[v].map(f64::from))));
+    fn corners(&self, part: &Part, hit: &Hit) -> Corners<'_> {
+        let (mesh, vertices) = self.vertices(part, hit);
+        Corners {
+            mesh,
+            vertices,
+            triangle: (part.first_of_mesh + (hit.triangle - part.first_triangle)) as usize,
+            weights: hit.barycentrics,
+            uv_channels: self.scene.uv_channels as usize,
         }
-        if let Some(map) = &material.base_color {
-            let uv = uv_at(mesh, v, hit.barycentrics).extend(1.0);
-            let at = material.map_from_uv.map(|row| DVec3::from_array(row.map(f64::from)).dot(uv));
-            color *= shading::bilinear(map, at, material.wrap);
-        }
-        color
     }
 }
 
-fn uv_at(mesh: &OracleMesh, v: [usize; 3], weights: DVec3) -> DVec2 {
-    blend(weights, v.map(|v| DVec2::from_array(mesh.uvs[v].map(f64::from))))
-}
-
-fn blend<T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(weights: DVec3, [a, b, c]: [T; 3]) -> T {
+pub(super) fn blend<T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(
+    weights: DVec3,
+    [a, b, c]: [T; 3],
+) -> T {
     a * weights.x + b * weights.y + c * weights.z
 }
 

@@ -1,11 +1,13 @@
-//! From the visibility buffer of a slab to its images: fragments, surface, base colour, light.
+//! From the visibility buffer of a slab to its images: fragments, surface, maps, appearance, light, pixels.
 
 use bytemuck::Pod;
 use displace_glsl::{
     SHADERS,
     layout::raster::{
-        BaseColorParams, FragmentsParams, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
-        ShadeParams, SurfaceParams,
+        AppearanceParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL,
+        MAP_OCCLUSION, MAP_SLOTS, NORMALS_OF_PIXELS, NORMALS_OF_TRIANGLES, NORMALS_OF_VERTICES, OUTPUT_DEPTH,
+        OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadePhongParams, SurfaceParams,
+        TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -13,27 +15,16 @@ use glam::{DMat4, DVec3};
 use crate::{
     domain::{
         Result,
-        image::{ImageSet, RenderCamera, RenderScene},
+        image::{ImageSet, RenderCamera, Shading},
         request::Aov,
     },
     vulkan::{Recorder, Stream},
 };
 
-use super::{
-    Run, Slab,
-    streams::{SceneStreams, WorkStreams},
-    tables::Tables,
-    visibility::fragment_count,
-};
+use super::{Frame, Run, Slab, streams::WorkStreams, visibility::fragment_count};
 
-pub(crate) fn shade(
-    run: &mut Run<'_>,
-    tables: &Tables,
-    streams: &SceneStreams,
-    work: &WorkStreams,
-    scene: &RenderScene,
-    slab: Slab,
-) -> Result<()> {
+pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    let Frame { work, .. } = frame;
     let (slab_px, slab_size_px) = slab.px();
     let params = FragmentsParams { count: slab.pixels() as u32, slab_px, slab_size_px };
     run.record(|recorder| {
@@ -47,23 +38,21 @@ pub(crate) fn shade(
         Ok(recorder.dispatch(&SHADERS.fragments, slab.pixels(), &params, &bound)?)
     })?;
     let count = fragment_count(work)?;
-    let part_last = tables.parts.len().saturating_sub(1) as u32;
     run.record(|recorder| {
         if count > 0 {
-            record_surface(recorder, streams, work, part_last, count)?;
+            record_surface(recorder, frame, count)?;
+            (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
+            record_appearance(recorder, frame, count)?;
+            record_light(recorder, frame, count)?;
         }
-        record_light(recorder, work, scene, slab)
+        record_pixels(recorder, frame, slab)
     })
 }
 
-/// What lies under the first `count` fragments: points and their base colours.
-pub(crate) fn record_surface(
-    recorder: &mut Recorder<'_>,
-    streams: &SceneStreams,
-    work: &WorkStreams,
-    part_last: u32,
-    count: u64,
-) -> Result<()> {
+/// What lies under the first `count` fragments.
+pub(crate) fn record_surface(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { tables, streams, work, .. } = frame;
+    let part_last = tables.parts.len().saturating_sub(1) as u32;
     let bound = [
         ("fragments", &work.fragments),
         ("triangles", &streams.triangles),
@@ -71,41 +60,98 @@ pub(crate) fn record_surface(
         ("instance_rows", &streams.instance_rows),
         ("positions", &streams.positions),
         ("normals", &streams.normals),
-        ("uvs", &streams.uvs),
-        ("colors", &streams.colors),
         ("points", &work.points),
-        ("point_colors", &work.point_colors),
     ];
-    recorder.dispatch(&SHADERS.surface, count, &SurfaceParams { count: count as u32, part_last }, &bound)?;
+    Ok(recorder.dispatch(&SHADERS.surface, count, &SurfaceParams { count: count as u32, part_last }, &bound)?)
+}
+
+/// What the maps of one kind show of the first `count` fragments; nothing where no material has any.
+pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: usize, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    if work.mapped[slot].is_empty() {
+        return Ok(());
+    }
+    let uv_channels = scene.uv_channels;
+    let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels, footprint: 1.0 };
+    let bound = [
+        ("points", &work.points),
+        ("maps", &streams.texture_uses),
+        ("uvs", &streams.uvs),
+        ("levels", &streams.levels),
+        ("texels", &streams.texels),
+        ("mapped", &work.mapped[slot]),
+    ];
+    Ok(recorder.dispatch(&SHADERS.texture_trilinear, count, &params, &bound)?)
+}
+
+fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { tables, streams, work, .. } = frame;
+    let has_map = |slot: &usize| !work.mapped[*slot].is_empty();
+    let params = AppearanceParams {
+        count: count as u32,
+        maps: (0..MAP_SLOTS).filter(has_map).fold(0, |bits, slot| bits | 1 << slot),
+        has_colors: u32::from(tables.colored),
+    };
     let bound = [
         ("points", &work.points),
         ("materials", &streams.materials),
-        ("levels", &streams.levels),
-        ("texels", &streams.texels),
-        ("point_colors", &work.point_colors),
+        ("colors", &streams.colors),
+        ("tangents", &streams.tangents),
+        ("instance_rows", &streams.instance_rows),
+        ("mapped_base_color", &work.mapped[MAP_BASE_COLOR]),
+        ("mapped_normal", &work.mapped[MAP_NORMAL]),
+        ("mapped_metallic_roughness", &work.mapped[MAP_METALLIC_ROUGHNESS]),
+        ("mapped_occlusion", &work.mapped[MAP_OCCLUSION]),
+        ("mapped_emissive", &work.mapped[MAP_EMISSIVE]),
+        ("appearances", &work.appearances),
     ];
-    recorder.dispatch(&SHADERS.base_color, count, &BaseColorParams { count: count as u32 }, &bound)?;
-    Ok(())
+    Ok(recorder.dispatch(&SHADERS.appearance, count, &params, &bound)?)
 }
 
-fn record_light(recorder: &mut Recorder<'_>, work: &WorkStreams, scene: &RenderScene, slab: Slab) -> Result<()> {
-    let light = &scene.light;
-    let (eye, view_depth) = eye_and_depth(&scene.camera);
-    let params = ShadeParams {
+fn record_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, tables, streams, work, .. } = frame;
+    let params = ShadePhongParams {
+        count: count as u32,
+        normals: match scene.shading {
+            Shading::Flat => NORMALS_OF_TRIANGLES,
+            Shading::Gouraud => NORMALS_OF_VERTICES,
+            Shading::Phong => NORMALS_OF_PIXELS,
+        },
+        lights: tables.lights.len() as u32,
+        shadowed: u32::from(!work.shadows.is_empty()),
+        eye: eye_and_depth(&scene.camera).0,
+        ambient: scene.lighting.ambient,
+    };
+    let bound = [
+        ("points", &work.points),
+        ("appearances", &work.appearances),
+        ("lights", &streams.lights),
+        ("shadows", &work.shadows),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("instance_rows", &streams.instance_rows),
+        ("radiance", &work.radiance),
+    ];
+    Ok(recorder.dispatch(&SHADERS.shade_phong, count, &params, &bound)?)
+}
+
+fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = ResolveParams {
         count: slab.pixels() as u32,
         outputs: scene.aovs.iter().fold(0, |bits, &aov| bits | output_bit(aov)),
-        eye,
-        view_depth,
-        light_direction: light.direction_world,
-        light_color: light.color,
-        background: light.background,
-        ambient: light.ambient,
+        view_depth: eye_and_depth(&scene.camera).1,
+        background: scene.lighting.background,
+        uv_channels: scene.uv_channels,
     };
     let outputs = &work.outputs;
     let bound = [
         ("pixels", &work.pixels),
         ("points", &work.points),
-        ("point_colors", &work.point_colors),
+        ("appearances", &work.appearances),
+        ("radiance", &work.radiance),
+        ("uvs", &streams.uvs),
+        ("maps", &streams.texture_uses),
         ("color_out", &outputs.color),
         ("depth_out", &outputs.depth),
         ("normal_out", &outputs.normal),
@@ -113,8 +159,7 @@ fn record_light(recorder: &mut Recorder<'_>, work: &WorkStreams, scene: &RenderS
         ("uv_out", &outputs.uv),
         ("triangle_out", &outputs.triangle),
     ];
-    recorder.dispatch(&SHADERS.shade, slab.pixels(), &params, &bound)?;
-    Ok(())
+    Ok(recorder.dispatch(&SHADERS.resolve, slab.pixels(), &params, &bound)?)
 }
 
 fn output_bit(aov: Aov) -> u32 {

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use displace_glsl::layout::raster::{Fragment, LISTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX};
+use displace_glsl::layout::raster::{
+    Appearance, Fragment, LISTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX,
+};
 
 use crate::{
     domain::{
-        Result,
+        Error, Result,
         image::{ImagePlan, RenderMesh, RenderScene},
         request::Aov,
     },
@@ -33,11 +35,15 @@ pub(crate) struct SceneStreams {
     pub(crate) positions: Stream,
     pub(crate) normals: Stream,
     pub(crate) uvs: Stream,
+    /// Of corners; empty where no mesh has any.
+    pub(crate) tangents: Stream,
     pub(crate) colors: Stream,
     pub(crate) triangles: Stream,
     pub(crate) parts: Stream,
     pub(crate) instance_rows: Stream,
     pub(crate) materials: Stream,
+    pub(crate) texture_uses: Stream,
+    pub(crate) lights: Stream,
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
 }
@@ -54,11 +60,14 @@ impl SceneStreams {
             positions: concatenated(device, "positions", meshes, |mesh| &mesh.positions)?,
             normals: concatenated(device, "normals", meshes, |mesh| &mesh.normals)?,
             uvs: concatenated(device, "uvs", meshes, |mesh| &mesh.uvs)?,
+            tangents: tangents(device, scene, tables)?,
             colors: colors(device, scene, tables)?,
             triangles: triangles(device, scene, tables)?,
             parts: Stream::from_slice(device, "parts", &tables.parts)?,
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
             materials: Stream::from_slice(device, "materials", &tables.materials)?,
+            texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
+            lights: Stream::from_slice(device, "lights", &tables.lights)?,
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,
         })
@@ -88,19 +97,40 @@ fn concatenated<T: Pod>(
     Ok(Stream::build(device, name, len, write)?)
 }
 
+/// Tangents of all corners, 0 where a mesh has none; empty when no mesh has any.
+fn tangents(device: &Arc<Device>, scene: &RenderScene, tables: &Tables) -> Result<Stream> {
+    let meshes = scene.meshes.iter().zip(&tables.meshes);
+    let places: Vec<_> = meshes.map(|(mesh, place)| (mesh.tangents.as_slice(), 3 * place.triangle_base)).collect();
+    let corners = scene.meshes.iter().map(|mesh| 3 * mesh.triangles.len() as u64).sum();
+    sparse(device, "tangents", corners, &places, [0.0; 4])
+}
+
 /// Vertex colours of all meshes, white where a mesh has none; empty when no mesh has any.
 fn colors(device: &Arc<Device>, scene: &RenderScene, tables: &Tables) -> Result<Stream> {
-    if !tables.colored {
-        return Ok(Stream::new(device, "colors", 16, 0)?);
-    }
+    let meshes = scene.meshes.iter().zip(&tables.meshes);
+    let places: Vec<_> = meshes.map(|(mesh, place)| (mesh.colors.as_slice(), place.vertex_base)).collect();
     let vertices = scene.meshes.iter().map(|mesh| mesh.positions.len() as u64).sum();
-    let stream = Stream::build(device, "colors", vertices, |first, target: &mut [[f32; 4]]| {
-        target.fill([1.0; 4]);
+    sparse(device, "colors", vertices, &places, [1.0; 4])
+}
+
+/// A stream of `len` where lists begin at their places, and `other` is between them; empty when all lists are.
+fn sparse(
+    device: &Arc<Device>,
+    name: &str,
+    len: u64,
+    places: &[(&[[f32; 4]], u64)],
+    other: [f32; 4],
+) -> Result<Stream> {
+    if places.iter().all(|(list, _)| list.is_empty()) {
+        return Ok(Stream::new(device, name, 16, 0)?);
+    }
+    let stream = Stream::build(device, name, len, |first, target: &mut [[f32; 4]]| {
+        target.fill(other);
         let end = first + target.len() as u64;
-        for (mesh, place) in scene.meshes.iter().zip(&tables.meshes) {
-            let (from, to) = (place.vertex_base.max(first), (place.vertex_base + mesh.colors.len() as u64).min(end));
+        for (list, start) in places {
+            let (from, to) = ((*start).max(first), (start + list.len() as u64).min(end));
             if from < to {
-                let source = &mesh.colors[(from - place.vertex_base) as usize..(to - place.vertex_base) as usize];
+                let source = &list[(from - start) as usize..(to - start) as usize];
                 target[(from - first) as usize..(to - first) as usize].copy_from_slice(source);
             }
         }
@@ -141,7 +171,12 @@ pub(crate) struct WorkStreams {
     pub(crate) fragment_count: Stream,
     pub(crate) fragments: Stream,
     pub(crate) points: Stream,
-    pub(crate) point_colors: Stream,
+    /// What the maps of each kind show of each fragment; empty where no material has any.
+    pub(crate) mapped: [Stream; MAP_SLOTS],
+    pub(crate) appearances: Stream,
+    /// Share of each light that arrives at each fragment; empty without shadows.
+    pub(crate) shadows: Stream,
+    pub(crate) radiance: Stream,
     pub(crate) pixels: Stream,
     pub(crate) outputs: Outputs,
     /// Triangles, and pairs, whose samples are sure to fit `fragments`.
@@ -160,7 +195,7 @@ pub(crate) struct Outputs {
 }
 
 impl WorkStreams {
-    pub(crate) fn new(device: &Arc<Device>, plan: &ImagePlan, aovs: &[Aov], tables: &Tables) -> Result<Self> {
+    pub(crate) fn new(device: &Arc<Device>, plan: &ImagePlan, scene: &RenderScene, tables: &Tables) -> Result<Self> {
         let pixels = u64::from(plan.width.min(plan.slab_px)) * u64::from(plan.height.min(plan.slab_px));
         let samples = pixels * u64::from(SAMPLES);
         let fragments = if tables.masked { samples.max(MIN_MASKED_FRAGMENTS) } else { samples };
@@ -183,13 +218,25 @@ impl WorkStreams {
             fragment_count: new("fragment count", 4, 1)?,
             fragments: new("fragments", size_of::<Fragment>(), fragments)?,
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
-            point_colors: new("point colours", 16, fragments)?,
+            mapped: mapped(device, scene, fragments)?,
+            appearances: new("appearances", size_of::<Appearance>(), samples)?,
+            shadows: new("shadows", 4, 0)?,
+            radiance: new("radiance", 16, samples)?,
             pixels: new("pixels", 4, pixels)?,
-            outputs: Outputs::new(device, pixels, aovs)?,
+            outputs: Outputs::new(device, pixels, &scene.aovs)?,
             masked_small_chunk: fragments / u64::from(SMALL_SAMPLES),
             masked_pair_chunk: fragments / TILE_SAMPLES,
         })
     }
+}
+
+fn mapped(device: &Arc<Device>, scene: &RenderScene, fragments: u64) -> Result<[Stream; MAP_SLOTS]> {
+    let slots = (0..MAP_SLOTS).map(|slot| {
+        let len = if scene.has_map(slot) { fragments } else { 0 };
+        Ok(Stream::new(device, "mapped", 16, len)?)
+    });
+    let slots: Vec<Stream> = slots.collect::<Result<_>>()?;
+    slots.try_into().map_err(|_| Error::internal("not as many streams as kinds of maps"))
 }
 
 impl Outputs {

@@ -4,14 +4,15 @@
 use std::ops::Range;
 
 use displace_glsl::layout::raster::{
-    INSTANCE_ROWS, Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
+    INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_UNLIT,
+    Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part, TextureUse,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
 use crate::domain::{
     Error, Result,
     detail::Wrap,
-    image::{ImagePlan, RenderCamera, RenderMaterial, RenderMesh, RenderScene},
+    image::{ImagePlan, LightShape, RenderCamera, RenderLight, RenderMap, RenderMaterial, RenderMesh, RenderScene},
 };
 
 /// Screen vertices of a batch, unless a single instance has more: 128 MiB.
@@ -22,8 +23,10 @@ pub(crate) struct Tables {
     pub(crate) parts: Vec<Part>,
     /// `INSTANCE_ROWS` for each instance.
     pub(crate) instance_rows: Vec<[f32; 4]>,
-    /// Without their maps' levels.
     pub(crate) materials: Vec<Material>,
+    /// `MAP_SLOTS` for each material, without their levels.
+    pub(crate) texture_uses: Vec<TextureUse>,
+    pub(crate) lights: Vec<Light>,
     pub(crate) meshes: Vec<MeshPlace>,
     pub(crate) batches: Vec<Batch>,
     pub(crate) masked: bool,
@@ -63,6 +66,8 @@ impl Tables {
             parts: Vec::new(),
             instance_rows: Vec::new(),
             materials: scene.materials.iter().map(material).collect(),
+            texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
+            lights: scene.lighting.lights.iter().map(light).collect(),
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],
             masked: false,
@@ -152,19 +157,60 @@ fn material_flags(material: &RenderMaterial) -> u32 {
 }
 
 fn material(material: &RenderMaterial) -> Material {
-    let [wrap_u, wrap_v] = wrap_numbers(material.wrap);
+    let unlit = if material.unlit { MATERIAL_UNLIT } else { 0 };
+    let normal_map = if material.maps[MAP_NORMAL].is_some() { MATERIAL_NORMAL_MAP } else { 0 };
     Material {
         base_color: material.base_color_factor,
-        map_u: material.map_from_uv[0],
-        map_v: material.map_from_uv[1],
+        emissive: material.emissive_factor,
+        metallic: material.metallic_factor,
+        roughness: material.roughness_factor,
+        normal_scale: material.normal_scale,
+        occlusion_strength: material.occlusion_strength,
         alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+        flags: unlit | normal_map,
+    }
+}
+
+fn texture_use(map: &Option<RenderMap>) -> TextureUse {
+    let Some(map) = map else { return TextureUse::default() };
+    let [wrap_u, wrap_v] = wrap_numbers(map.wrap);
+    TextureUse {
+        map_u: map.map_from_uv[0],
+        map_v: map.map_from_uv[1],
         wrap: wrap_u | wrap_v << 2,
+        uv_channel: map.uv_channel,
         level_first: 0,
         level_count: 0,
     }
 }
 
-/// As in `material.glsl`.
+fn light(light: &RenderLight) -> Light {
+    let color = light.color;
+    match light.shape {
+        LightShape::Sun { direction_world } => {
+            Light { kind: LIGHT_SUN, direction: direction_world, color, ..Light::default() }
+        }
+        LightShape::Point { position_world, range_world } => {
+            let range = range_world.unwrap_or(0.0);
+            Light { kind: LIGHT_POINT, position: position_world, range, color, ..Light::default() }
+        }
+        LightShape::Spot { position_world, range_world, direction_world, cone_cosines: [inner, outer] } => {
+            let cone_scale = 1.0 / (inner - outer).max(1e-3);
+            Light {
+                kind: LIGHT_SPOT,
+                position: position_world,
+                direction: direction_world,
+                range: range_world.unwrap_or(0.0),
+                color,
+                cone_scale,
+                cone_offset: -outer * cone_scale,
+                ..Light::default()
+            }
+        }
+    }
+}
+
+/// As in `texture.glsl`.
 pub(crate) fn wrap_numbers(wrap: [Wrap; 2]) -> [u32; 2] {
     wrap.map(|wrap| match wrap {
         Wrap::Repeat => 0,
@@ -212,15 +258,20 @@ fn normal_rows(m: DMat3) -> [DVec3; 3] {
 pub(crate) fn check(scene: &RenderScene) -> Result<()> {
     for (index, mesh) in scene.meshes.iter().enumerate() {
         let vertices = mesh.positions.len();
-        let lengths = [mesh.normals.len(), mesh.uvs.len()];
+        let uvs_fit = mesh.uvs.len() == vertices * scene.uv_channels as usize;
         let colors_fit = mesh.colors.is_empty() || mesh.colors.len() == vertices;
-        if lengths != [vertices; 2] || !colors_fit {
+        let tangents_fit = mesh.tangents.is_empty() || mesh.tangents.len() == 3 * mesh.triangles.len();
+        if mesh.normals.len() != vertices || !uvs_fit || !colors_fit || !tangents_fit {
             return Err(Error::internal(format!("mesh {index}: its {vertices} vertices lack attributes")));
         }
         if mesh.triangles.iter().flatten().any(|&vertex| vertex as usize >= vertices) {
             return Err(Error::internal(format!("mesh {index}: a triangle names a vertex beyond {vertices}")));
         }
         check_runs(index, mesh, scene.materials.len())?;
+    }
+    let maps = scene.materials.iter().flat_map(|material| &material.maps).flatten();
+    if scene.uv_channels == 0 || maps.clone().any(|map| map.uv_channel >= scene.uv_channels) {
+        return Err(Error::internal(format!("a map reads a UV channel beyond {}", scene.uv_channels)));
     }
     let meshes = scene.meshes.len();
     if scene.instances.iter().any(|instance| instance.mesh >= meshes) {

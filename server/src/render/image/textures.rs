@@ -1,15 +1,11 @@
-//! Base colour maps on the device: all mip levels of all maps in one stream of half floats, two texels to
-//! an element, built in compute from level 0.
+//! Maps of materials on the device: all mip levels of all maps in one stream, two texels to an element, built in compute
+//! from level 0.
 
 use std::sync::Arc;
 
 use displace_glsl::{
     SHADERS,
-    layout::raster::{Material, MipParams},
-};
-use half::{
-    f16,
-    slice::{HalfBitsSliceExt, HalfFloatSliceExt},
+    layout::raster::{MipParams, TextureUse},
 };
 
 use crate::{
@@ -20,12 +16,9 @@ use crate::{
     vulkan::{Device, MAX_PAGES, PAGE_SHIFT, Recorder, Stream},
 };
 
-/// Largest value of a half float.
-const HALF_MAX: f32 = 65504.0;
-
 pub(crate) struct Textures {
-    /// First texel, width, height of every level of every map.
-    pub(crate) levels: Vec<[u32; 3]>,
+    /// First texel, width, height, and the bits of alpha's scale, of every level of every map.
+    pub(crate) levels: Vec<[u32; 4]>,
     /// Range of `levels` of each map.
     ranges: Vec<(u32, u32)>,
     maps: Vec<Arc<ColorMap>>,
@@ -34,14 +27,14 @@ pub(crate) struct Textures {
 }
 
 impl Textures {
-    /// Lays out the distinct maps of the scene and tells the materials where theirs is.
-    pub(crate) fn new(scene: &RenderScene, materials: &mut [Material]) -> Result<Self> {
+    /// Lays out the distinct maps of the scene and tells their uses where they are.
+    pub(crate) fn new(scene: &RenderScene, uses: &mut [TextureUse]) -> Result<Self> {
         let mut this = Self { levels: Vec::new(), ranges: Vec::new(), maps: Vec::new(), pairs: 0 };
-        for (source, material) in scene.materials.iter().zip(materials) {
-            if let Some(map) = &source.base_color {
-                let known = this.maps.iter().position(|other| Arc::ptr_eq(other, map));
-                let index = known.map_or_else(|| this.add(map), Ok)?;
-                (material.level_first, material.level_count) = this.ranges[index];
+        for (source, place) in scene.materials.iter().flat_map(|material| &material.maps).zip(uses) {
+            if let Some(source) = source {
+                let known = this.maps.iter().position(|other| Arc::ptr_eq(other, &source.map));
+                let index = known.map_or_else(|| this.add(&source.map), Ok)?;
+                (place.level_first, place.level_count) = this.ranges[index];
             }
         }
         Ok(this)
@@ -60,7 +53,7 @@ impl Textures {
         let first_level = self.levels.len() as u32;
         let (mut width, mut height) = (map.width, map.height);
         loop {
-            self.levels.push([(self.pairs * 2) as u32, width, height]);
+            self.levels.push([(self.pairs * 2) as u32, width, height, 1f32.to_bits()]);
             self.pairs += (u64::from(width) * u64::from(height)).div_ceil(2);
             if width * height == 1 {
                 break;
@@ -69,9 +62,8 @@ impl Textures {
         }
         let most = MAX_PAGES << PAGE_SHIFT;
         if self.pairs > most {
-            let message =
-                format!("the base colour maps and their mips have more than {} texels: use smaller maps", 2 * most);
-            return Err(Error::too_large("look.base_color", message));
+            let message = format!("the maps and their mips have more than {} texels: use smaller maps", 2 * most);
+            return Err(Error::too_large("images", message));
         }
         self.ranges.push((first_level, self.levels.len() as u32 - first_level));
         self.maps.push(map.clone());
@@ -80,22 +72,20 @@ impl Textures {
 
     /// The stream with level 0 of every map in it.
     pub(crate) fn upload(&self, device: &Arc<Device>) -> Result<Stream> {
-        let stream = Stream::build(device, "texels", self.pairs, |first, elements: &mut [[u32; 4]]| {
-            elements.fill([0; 4]);
-            let halves: &mut [u16] = bytemuck::cast_slice_mut(elements);
-            self.write_level_0(first as usize * 8, halves.reinterpret_cast_mut());
+        let stream = Stream::build(device, "texels", self.pairs, |first, elements: &mut [[f32; 8]]| {
+            elements.fill([0.0; 8]);
+            self.write_level_0(first as usize * 2, bytemuck::cast_slice_mut(elements));
         })?;
         Ok(stream)
     }
 
-    /// Writes what of the maps falls into `halves`, which starts at `first`, counted in half floats.
-    fn write_level_0(&self, first: usize, halves: &mut [f16]) {
+    /// Writes what of the maps falls into `texels`, which starts at texel `first`.
+    fn write_level_0(&self, first: usize, texels: &mut [[f32; 4]]) {
         for (map, range) in self.maps.iter().zip(&self.ranges) {
-            let start = self.levels[range.0 as usize][0] as usize * 4;
-            let values: &[f32] = bytemuck::cast_slice(&map.texels);
-            let (from, to) = (start.max(first), (start + values.len()).min(first + halves.len()));
+            let start = self.levels[range.0 as usize][0] as usize;
+            let (from, to) = (start.max(first), (start + map.texels.len()).min(first + texels.len()));
             if from < to {
-                convert(&values[from - start..to - start], &mut halves[from - first..to - first]);
+                texels[from - first..to - first].copy_from_slice(&map.texels[from - start..to - start]);
             }
         }
     }
@@ -104,8 +94,8 @@ impl Textures {
     pub(crate) fn record_mips(&self, recorder: &mut Recorder<'_>, texels: &Stream) -> Result<()> {
         for &(first, count) in &self.ranges {
             for level in first..first + count - 1 {
-                let [source_first, source_width, source_height] = self.levels[level as usize];
-                let [target_first, width, height] = self.levels[level as usize + 1];
+                let [source_first, source_width, source_height, _] = self.levels[level as usize];
+                let [target_first, width, height, _] = self.levels[level as usize + 1];
                 let count = (u64::from(width) * u64::from(height)).div_ceil(2);
                 let params = MipParams {
                     count: count as u32,
@@ -118,15 +108,5 @@ impl Textures {
             }
         }
         Ok(())
-    }
-}
-
-/// Rounds to half floats, a block at a time.
-fn convert(values: &[f32], halves: &mut [f16]) {
-    let mut block = [0f32; 1024];
-    for (values, halves) in values.chunks(block.len()).zip(halves.chunks_mut(block.len())) {
-        let block = &mut block[..values.len()];
-        block.iter_mut().zip(values).for_each(|(b, v)| *b = v.clamp(-HALF_MAX, HALF_MAX));
-        halves.convert_from_f32_slice(block);
     }
 }

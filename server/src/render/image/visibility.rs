@@ -3,20 +3,17 @@
 use displace_glsl::{
     SHADERS,
     layout::raster::{
-        ClipParams, LARGE, LARGE_MASKED, LISTS, MAX_PIECES, MEDIUM, MaskedParams, RasterParams, SMALL, SMALL_MASKED,
-        SetupParams, TileCountsParams, TilesParams, TransformParams,
+        ClipParams, LARGE, LARGE_MASKED, LISTS, MAP_BASE_COLOR, MAX_PIECES, MEDIUM, MaskedParams, RasterParams, SMALL,
+        SMALL_MASKED, SetupParams, TileCountsParams, TilesParams, TransformParams,
     },
 };
 
-use crate::{
-    domain::{Result, image::ImagePlan},
-    vulkan::Stream,
-};
+use crate::{domain::Result, vulkan::Stream};
 
 use super::{
-    Run, Slab, shading,
+    Frame, Run, Slab, shading,
     streams::{LARGE_CHUNK, PAIR_CHUNK, RANGE_TRIANGLES, SceneStreams, WorkStreams},
-    tables::{Batch, Tables},
+    tables::Batch,
 };
 
 const GROUP_THREADS: u64 = 64;
@@ -24,27 +21,17 @@ const GROUP_THREADS: u64 = 64;
 /// What every step here works on.
 struct Job<'a, 'r> {
     run: &'a mut Run<'r>,
-    tables: &'a Tables,
-    streams: &'a SceneStreams,
-    work: &'a WorkStreams,
+    frame: &'a Frame<'a>,
     slab: Slab,
 }
 
-pub(crate) fn fill(
-    run: &mut Run<'_>,
-    tables: &Tables,
-    streams: &SceneStreams,
-    work: &WorkStreams,
-    plan: &ImagePlan,
-    slab: Slab,
-    first_slab: bool,
-) -> Result<()> {
-    run.record(|recorder| Ok(recorder.fill(&work.visibility, 0)?))?;
-    let mut job = Job { run, tables, streams, work, slab };
-    for batch in &tables.batches {
+pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab: bool) -> Result<()> {
+    run.record(|recorder| Ok(recorder.fill(&frame.work.visibility, 0)?))?;
+    let mut job = Job { run, frame, slab };
+    for batch in &frame.tables.batches {
         // A single batch stays on the screen for all slabs.
-        if first_slab || tables.batches.len() > 1 {
-            job.transform(batch, plan)?;
+        if first_slab || frame.tables.batches.len() > 1 {
+            job.transform(batch)?;
         }
         let mut first = batch.triangles.start;
         while first < batch.triangles.end {
@@ -57,8 +44,8 @@ pub(crate) fn fill(
 }
 
 impl Job<'_, '_> {
-    fn transform(&mut self, batch: &Batch, plan: &ImagePlan) -> Result<()> {
-        let (streams, work) = (self.streams, self.work);
+    fn transform(&mut self, batch: &Batch) -> Result<()> {
+        let Frame { plan, streams, work, .. } = self.frame;
         self.run.record(|recorder| {
             for on_screen in &batch.instances {
                 let params = TransformParams {
@@ -82,7 +69,7 @@ impl Job<'_, '_> {
     /// Draws `count` triangles from `first` on, numbered over all instances.
     fn draw(&mut self, batch: &Batch, first: u64, count: u64) -> Result<()> {
         let lengths = self.setup(batch, first, count)?;
-        let list = |index: usize| (index as u64 * self.work.list_capacity, lengths[index]);
+        let list = |index: usize| (index as u64 * self.frame.work.list_capacity, lengths[index]);
         let lists: [(u64, u64); LISTS] = std::array::from_fn(list);
         self.draw_whole(batch, lists[SMALL], lists[MEDIUM])?;
         self.draw_small_masked(batch, lists[SMALL_MASKED])?;
@@ -92,7 +79,7 @@ impl Job<'_, '_> {
 
     /// Sorts the triangles by size; says how many fell into each list.
     fn setup(&mut self, batch: &Batch, first: u64, count: u64) -> Result<Vec<u64>> {
-        let (streams, work) = (self.streams, self.work);
+        let Frame { streams, work, .. } = self.frame;
         let (slab_px, slab_size_px) = self.slab.px();
         let params = SetupParams {
             count: count as u32,
@@ -134,7 +121,7 @@ impl Job<'_, '_> {
     fn draw_whole(&mut self, batch: &Batch, small: (u64, u64), medium: (u64, u64)) -> Result<()> {
         let small_params = self.raster_params(batch, small.0, small.1);
         let medium_params = self.raster_params(batch, medium.0, medium.1);
-        let bound = triangle_bindings(self.streams, self.work);
+        let bound = triangle_bindings(self.frame.streams, self.frame.work);
         self.run.record(|recorder| {
             if small.1 > 0 {
                 recorder.dispatch(&SHADERS.raster_small, small.1, &small_params, &bound)?;
@@ -148,7 +135,7 @@ impl Job<'_, '_> {
 
     /// Small triangles with an alpha cut-off, so many at a time that their samples fit.
     fn draw_small_masked(&mut self, batch: &Batch, (list_first, length): (u64, u64)) -> Result<()> {
-        let (streams, work) = (self.streams, self.work);
+        let Frame { streams, work, .. } = self.frame;
         let mut done = 0;
         while done < length {
             let count = (length - done).min(work.masked_small_chunk);
@@ -171,7 +158,7 @@ impl Job<'_, '_> {
         while done < length {
             let count = (length - done).min(LARGE_CHUNK);
             let pairs = self.make_records(batch, list_first + done, count)?;
-            let chunk = if masked { self.work.masked_pair_chunk.min(PAIR_CHUNK) } else { PAIR_CHUNK };
+            let chunk = if masked { self.frame.work.masked_pair_chunk.min(PAIR_CHUNK) } else { PAIR_CHUNK };
             let mut first = 0;
             while first < pairs {
                 let taken = (pairs - first).min(chunk);
@@ -185,7 +172,7 @@ impl Job<'_, '_> {
 
     /// Clips triangles of a list into records and counts the tiles they meet.
     fn make_records(&mut self, batch: &Batch, list_first: u64, count: u64) -> Result<u64> {
-        let (streams, work) = (self.streams, self.work);
+        let Frame { streams, work, .. } = self.frame;
         let records = count * u64::from(MAX_PIECES);
         let (slab_px, slab_size_px) = self.slab.px();
         let clip = ClipParams {
@@ -214,7 +201,7 @@ impl Job<'_, '_> {
     }
 
     fn draw_pairs(&mut self, batch: &Batch, first: u64, count: u64, records: u64, masked: bool) -> Result<()> {
-        let work = self.work;
+        let work = self.frame.work;
         let (slab_px, slab_size_px) = self.slab.px();
         let tiles = TilesParams {
             count: count as u32,
@@ -240,19 +227,28 @@ impl Job<'_, '_> {
 
     /// The alpha test of the fragments that a masked pass has left.
     fn test_fragments(&mut self) -> Result<()> {
-        let (streams, work) = (self.streams, self.work);
+        let Frame { streams, work, .. } = self.frame;
         let count = fragment_count(work)?;
         let (slab_px, slab_size_px) = self.slab.px();
-        let params = MaskedParams { count: count as u32, slab_px, slab_size_px };
-        let part_last = self.tables.parts.len() as u32 - 1;
+        let map = &work.mapped[MAP_BASE_COLOR];
+        let params = MaskedParams {
+            count: count as u32,
+            slab_px,
+            slab_size_px,
+            has_colors: u32::from(self.frame.tables.colored),
+            has_map: u32::from(!map.is_empty()),
+        };
+        let frame = self.frame;
         self.run.record(|recorder| {
-            shading::record_surface(recorder, streams, work, part_last, count)?;
+            shading::record_surface(recorder, frame, count)?;
+            shading::record_map(recorder, frame, MAP_BASE_COLOR, count)?;
             let bound = [
                 ("visibility", &work.visibility),
                 ("fragments", &work.fragments),
                 ("points", &work.points),
-                ("point_colors", &work.point_colors),
                 ("materials", &streams.materials),
+                ("colors", &streams.colors),
+                ("mapped_base_color", map),
             ];
             Ok(recorder.dispatch(&SHADERS.masked, count, &params, &bound)?)
         })

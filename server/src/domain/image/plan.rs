@@ -1,0 +1,92 @@
+//! The recipe of a render, and what it takes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::domain::{
+    Error, Result,
+    request::{Aov, Rays},
+};
+
+/// The pure-data recipe of a render.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImagePlan {
+    pub width: u32,
+    pub height: u32,
+    /// Visibility samples per pixel: 4.
+    pub samples: u32,
+    /// Traces the image instead: the image oracle's work, on the reference alone.
+    pub rays: Option<Rays>,
+    /// The image is made in slabs of at most so many pixels a side; a multiple of 16.
+    pub slab_px: u32,
+    pub device_bytes: u64,
+}
+
+/// How much a scene holds, known before any of it is made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImageContents {
+    /// Of all meshes, each counted once.
+    pub vertices: u64,
+    pub triangles: u64,
+    /// Of all instances, each counted as often as it is used.
+    pub instance_vertices: u64,
+    pub instance_triangles: u64,
+    /// Texels of the distinct base colour maps.
+    pub texels: u64,
+    pub has_colors: bool,
+    /// Of each vertex.
+    pub uv_channels: u32,
+    pub has_tangents: bool,
+    /// Kinds of maps that any material has.
+    pub map_slots: u32,
+    pub aovs: Vec<Aov>,
+}
+
+impl ImagePlan {
+    pub const MAX_SIDE: u32 = 16384;
+    pub const MAX_SLAB: u32 = 512;
+
+    /// Plans an image. Fails when a side is out of range.
+    pub fn new(width: u32, height: u32, contents: &ImageContents) -> Result<Self> {
+        for (field, side) in [("size.width", width), ("size.height", height)] {
+            if !(1..=Self::MAX_SIDE).contains(&side) {
+                let message = format!("{side} is out of range; 1 to {} pixels are allowed", Self::MAX_SIDE);
+                return Err(Error::invalid(field, message));
+            }
+        }
+        let slab_px = Self::MAX_SLAB;
+        let slab_pixels = u64::from(width.min(slab_px)) * u64::from(height.min(slab_px));
+        let device_bytes = contents.scene_bytes() + contents.work_bytes(slab_pixels);
+        Ok(Self { width, height, samples: 4, rays: None, slab_px, device_bytes })
+    }
+}
+
+impl ImageContents {
+    /// Vertices (place, normal, uvs, perhaps a colour), triangles and their corners' tangents, maps with their mips.
+    fn scene_bytes(&self) -> u64 {
+        let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
+        let per_triangle = 12 + if self.has_tangents { 48 } else { 0 };
+        self.vertices * per_vertex + self.triangles * per_triangle + self.texels * 16 * 4 / 3
+    }
+
+    /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
+    fn work_bytes(&self, slab_pixels: u64) -> u64 {
+        let screen = 16 * self.instance_vertices;
+        let listed = self.instance_triangles.min(1 << 20);
+        let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
+        // Visibility, fragment, point, appearance, radiance, and a value of each kind of map.
+        let per_sample = 8 + 16 + 112 + 56 + 16 + 16 * u64::from(self.map_slots);
+        let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
+        screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
+    }
+}
+
+impl Aov {
+    /// Per pixel.
+    fn bytes(self) -> u64 {
+        match self {
+            Self::Depth | Self::Triangle => 4,
+            Self::Uv => 8,
+            Self::Normal | Self::Position => 12,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Light, and how it becomes colour.
+
+use displace_proto::v1;
+
+use super::{join, known, vector, within};
+use crate::domain::{
+    Error, Result,
+    image::{LightShape, RenderLight, Shading},
+    request::{Look, Shadows},
+};
+
+const DEFAULT_AMBIENT: f32 = 0.2;
+const MOST_LIGHTS: usize = 16;
+
+pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> {
+    let lighting = lighting.unwrap_or_default();
+    Ok(Look {
+        lights: lights(&join(path, "lights"), lighting.lights)?,
+        ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(DEFAULT_AMBIENT), 0.0, 1.0)?,
+        shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
+            v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
+            v1::Shadows::Ray => Shadows::Ray,
+        },
+        shading: match known::<v1::Shading>(&join(path, "shading"), lighting.shading)? {
+            v1::Shading::Flat => Shading::Flat,
+            v1::Shading::Gouraud => Shading::Gouraud,
+            v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
+        },
+    })
+}
+
+fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {
+    if lights.len() > MOST_LIGHTS {
+        let message = format!("has {} entries; allowed are up to {MOST_LIGHTS}: leave some out", lights.len());
+        return Err(Error::invalid(path, message));
+    }
+    lights.into_iter().enumerate().map(|(k, one)| light(&format!("{path}[{k}]"), one)).collect()
+}
+
+fn light(path: &str, light: v1::Light) -> Result<RenderLight> {
+    use v1::light::Shape;
+    let shape = match light.shape {
+        Some(Shape::Sun(sun)) => {
+            let field = join(path, "sun.direction");
+            LightShape::Sun { direction_world: unit(&field, vector(&field, &sun.direction)?)? }
+        }
+        Some(Shape::Point(point)) => LightShape::Point {
+            position_world: vector(&join(path, "point.position"), &point.position)?,
+            range_world: None,
+        },
+        None => return Err(Error::invalid(path, "has no shape; give a sun or a point")),
+    };
+    let intensity = within(&join(path, "intensity"), light.intensity.unwrap_or(1.0), 0.0, 1e6)?;
+    Ok(RenderLight { shape, color: [std::f32::consts::PI * intensity; 3] })
+}
+
+/// In f64, so that neither huge nor tiny vectors lose their direction.
+fn unit(field: &str, vector: [f32; 3]) -> Result<[f32; 3]> {
+    let length = vector.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>().sqrt();
+    if length == 0.0 {
+        return Err(Error::invalid(field, "has no length; give the direction towards the light"));
+    }
+    Ok(vector.map(|value| (f64::from(value) / length) as f32))
+}

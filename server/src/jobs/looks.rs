@@ -1,0 +1,150 @@
+//! Materials and lights of a scene and a request as the renderer takes them.
+
+use std::{collections::HashMap, sync::Arc};
+
+use displace_glsl::layout::raster::{
+    MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS,
+};
+
+use crate::domain::{
+    Error, Result,
+    image::{ColorMap, LightShape, Lighting, RenderLight, RenderMap, RenderMaterial},
+    maps::{self, Encoding},
+    report::Warning,
+    request::Look,
+    scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
+};
+
+/// Of all maps together, 16 bytes each.
+const MOST_TEXELS: usize = 1 << 27;
+
+/// The UV sets that maps read, TEXCOORD_0 first; a set's place among them is its channel.
+pub(super) struct UvSets(Vec<u32>);
+
+impl UvSets {
+    pub(super) fn of(materials: &[Material]) -> Self {
+        let used = materials.iter().flat_map(|material| textures(material).map(|(_, texture, _)| texture.uv_set));
+        let mut sets: Vec<u32> = used.chain([0]).collect();
+        sets.sort_unstable();
+        sets.dedup();
+        Self(sets)
+    }
+
+    pub(super) fn count(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    pub(super) fn semantics(&self) -> impl Iterator<Item = String> {
+        self.0.iter().map(|set| format!("TEXCOORD_{set}"))
+    }
+
+    pub(super) fn channel(&self, set: u32) -> u32 {
+        self.0.iter().position(|known| *known == set).unwrap_or(0) as u32
+    }
+}
+
+/// The maps of a material: their place among a `RenderMaterial`'s, and what they hold.
+fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, Encoding)> {
+    [
+        (MAP_BASE_COLOR, &material.base_color, Encoding::Color),
+        (MAP_NORMAL, &material.normal, Encoding::Vector),
+        (MAP_METALLIC_ROUGHNESS, &material.metallic_roughness, Encoding::Linear),
+        (MAP_OCCLUSION, &material.occlusion, Encoding::Linear),
+        (MAP_EMISSIVE, &material.emissive, Encoding::Color),
+    ]
+    .into_iter()
+    .filter_map(|(slot, texture, encoding)| texture.as_ref().map(|texture| (slot, texture, encoding)))
+}
+
+/// The scene's materials, then one for primitives without.
+pub(super) fn materials(scene: &mut Scene, sets: &UvSets) -> Result<Vec<RenderMaterial>> {
+    let mut images = Images { decoded: HashMap::new(), texels: 0 };
+    let mut materials = Vec::new();
+    for material in scene.materials.clone().iter().chain([&Material::default()]) {
+        let mut maps: [Option<RenderMap>; MAP_SLOTS] = Default::default();
+        for (slot, texture, encoding) in textures(material) {
+            maps[slot] = images.read(scene, texture.image, encoding)?.map(|map| RenderMap {
+                map,
+                uv_channel: sets.channel(texture.uv_set),
+                map_from_uv: texture.map_from_uv,
+                wrap: texture.wrap,
+            });
+        }
+        materials.push(render_material(material, maps));
+    }
+    Ok(materials)
+}
+
+/// What has been decoded; an image that two encodings read is two maps.
+struct Images {
+    decoded: HashMap<(usize, Encoding), Option<Arc<ColorMap>>>,
+    texels: usize,
+}
+
+impl Images {
+    fn read(&mut self, scene: &mut Scene, image: usize, encoding: Encoding) -> Result<Option<Arc<ColorMap>>> {
+        if let Some(known) = self.decoded.get(&(image, encoding)) {
+            return Ok(known.clone());
+        }
+        let map = of_file(scene, image, encoding);
+        self.texels += map.as_ref().map_or(0, |map| map.texels.len());
+        if self.texels > MOST_TEXELS {
+            let message = format!("the materials' maps have more than {MOST_TEXELS} texels: use smaller maps");
+            return Err(Error::too_large("images", message));
+        }
+        self.decoded.insert((image, encoding), map.clone());
+        Ok(map)
+    }
+}
+
+/// An image of the file; one that cannot be had is left out with a warning, as viewers do.
+fn of_file(scene: &mut Scene, image: usize, encoding: Encoding) -> Option<Arc<ColorMap>> {
+    let bytes = scene.images.get(image)?.bytes.clone()?;
+    match maps::texture_map(&format!("images[{image}]"), &bytes, encoding) {
+        Ok(map) => Some(Arc::new(map)),
+        Err(error) => {
+            scene.warnings.push(Warning::new("image_unreadable", format!("{error}; the factor alone is used")));
+            None
+        }
+    }
+}
+
+fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS]) -> RenderMaterial {
+    RenderMaterial {
+        base_color_factor: material.base_color_factor,
+        metallic_factor: material.metallic_factor,
+        roughness_factor: material.roughness_factor,
+        emissive_factor: material.emissive_factor,
+        normal_scale: material.normal_scale,
+        occlusion_strength: material.occlusion_strength,
+        maps,
+        double_sided: material.double_sided,
+        alpha_cutoff: material.alpha_cutoff,
+        unlit: material.unlit,
+    }
+}
+
+/// The request's lights; without any, the file's; without any, a sun.
+pub(super) fn lighting(look: &Look, scene: &Scene) -> Lighting {
+    let lights = match look.lights.as_slice() {
+        [] if scene.lights.is_empty() => Lighting::default().lights,
+        [] => scene.lights.iter().map(punctual).collect(),
+        lights => lights.to_vec(),
+    };
+    Lighting { lights, ambient: look.ambient, ..Lighting::default() }
+}
+
+fn punctual(light: &PunctualLight) -> RenderLight {
+    let (position_world, range_world) = (light.position_world, light.range);
+    let shape = match light.kind {
+        PunctualKind::Directional => LightShape::Sun { direction_world: light.direction_world.map(|x| -x) },
+        PunctualKind::Point => LightShape::Point { position_world, range_world },
+        PunctualKind::Spot { inner_cone_radians, outer_cone_radians } => LightShape::Spot {
+            position_world,
+            range_world,
+            direction_world: light.direction_world,
+            cone_cosines: [inner_cone_radians.cos(), outer_cone_radians.cos()],
+        },
+    };
+    RenderLight { shape, color: light.color.map(|c| c * light.intensity) }
+}
