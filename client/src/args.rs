@@ -184,11 +184,11 @@ pub(crate) enum AovArg {
     Triangle,
 }
 
-/// Shadows of the light that has a direction.
+/// Shadows of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ShadowsArg {
     None,
-    /// By rays towards the light
+    /// By rays towards the lights
     Ray,
 }
 
@@ -236,7 +236,7 @@ pub(crate) struct RenderArgs {
     /// Rays a pixel, 1 to 1024, traced in f64; needs --device reference [default: 4 samples of visibility, by any device]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Look")]
     pub(crate) supersample: Option<u32>,
-    /// Shadows of the light; ray needs --device reference, and takes 64 rays a pixel without --supersample
+    /// Shadows of lights that have a place or a direction
     #[arg(long, value_enum, value_name = "KIND", default_value = "none", help_heading = "Look")]
     pub(crate) shadows: ShadowsArg,
     /// How light becomes colour

@@ -2,6 +2,7 @@
 
 pub mod image;
 pub mod lists;
+mod occluders;
 pub mod passes;
 pub mod reference;
 pub mod reference_image;

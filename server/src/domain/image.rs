@@ -39,6 +39,7 @@ pub struct RenderScene {
     pub camera: RenderCamera,
     pub lighting: Lighting,
     pub shading: Shading,
+    pub shadows: Shadows,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -60,6 +61,7 @@ impl RenderScene {
             texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
+            shadow_lights: if self.shadows == Shadows::Ray { self.lighting.lights.len() as u32 } else { 0 },
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),

@@ -90,17 +90,15 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
-    /// Rays a pixel where shadows or the surface itself need rays and nothing is said of how many.
+    /// Rays a pixel where the surface itself is shown and nothing is said of how many.
     pub const DEFAULT_SAMPLES: u32 = 64;
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=1024;
 
     /// What has to be traced, if anything.
     #[must_use]
     pub fn rays(&self) -> Option<Rays> {
-        let shadows = self.look.shadows;
-        let needed = shadows == Shadows::Ray || self.surface.geometry.is_exact();
-        let needed = needed.then_some(Self::DEFAULT_SAMPLES);
-        self.samples.or(needed).map(|samples| Rays { samples, shadows })
+        let needed = self.surface.geometry.is_exact().then_some(Self::DEFAULT_SAMPLES);
+        self.samples.or(needed).map(|samples| Rays { samples, shadows: self.look.shadows })
     }
 }
 

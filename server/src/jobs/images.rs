@@ -36,6 +36,7 @@ pub(super) fn render_scene(request: &RenderRequest, scene: &mut Scene, surfaces:
         camera: camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?,
         lighting: looks::lighting(&request.look, scene),
         shading: request.look.shading,
+        shadows: request.look.shadows,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

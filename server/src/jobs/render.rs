@@ -127,7 +127,7 @@ impl RenderWork {
         residual_world: f64,
         executor: &dyn Executor,
     ) -> ImageSettings {
-        let shadows = self.request.rays().map_or(Shadows::None, |rays| rays.shadows);
+        let shadows = self.request.look.shadows;
         let device = executor.device_name().into();
         ImageSettings { samples, shadows, lighting, device, build: BUILD_ID.into(), residual_world }
     }
@@ -159,10 +159,10 @@ fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
     if request.rays().is_none() || executor.traces_rays() {
         return Ok(());
     }
-    let (field, what) = match request.look.shadows {
-        _ if request.surface.geometry.is_exact() => ("surface.geometry.exact", "the surface itself".to_owned()),
-        Shadows::Ray => ("lighting.shadows", "shadows by rays".to_owned()),
-        Shadows::None => ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default())),
+    let (field, what) = if request.surface.geometry.is_exact() {
+        ("surface.geometry.exact", "the surface itself".to_owned())
+    } else {
+        ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default()))
     };
     let device = executor.device_name();
     let message = format!("{what} are more than {device} does; use --device reference, or leave them out");

@@ -35,7 +35,7 @@ use super::{
     },
 };
 
-use shading::{Hit, Shader};
+use shading::{Hit, Place, Shader};
 
 /// Pixel rows whose triangles are listed together.
 const BAND_ROWS: u32 = 16;
@@ -138,7 +138,9 @@ struct Oracle<'a> {
 
 impl<'a> Oracle<'a> {
     fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
-        Ok(Self { scene, tables: Tables::new(plan, scene)?, width: plan.width, shader: Shader::new(scene) })
+        let tables = Tables::new(plan, scene)?;
+        let shader = Shader::new(scene, &tables)?;
+        Ok(Self { scene, tables, width: plan.width, shader })
     }
 
     fn rows(&self, part: &Part) -> &[[f32; 4]] {
@@ -240,7 +242,8 @@ impl<'a> Oracle<'a> {
             let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
             let scale = 1.0 / (256.0 * covered.len() as f64);
             let hit = self.hit(sample.id, [f64::from(x) + centre(0) * scale, f64::from(y) + centre(1) * scale]);
-            pixel.color += self.shader.radiance(&self.tables, &hit) * (0.25 * covered.len() as f64);
+            pixel.color += self.shader.radiance(&self.tables, &hit, |id, weights| self.is_opaque_at(id, weights))
+                * (0.25 * covered.len() as f64);
             if covered.len() > most {
                 most = covered.len();
                 pixel.depth = self.shader.depth(hit.position);
@@ -252,15 +255,30 @@ impl<'a> Oracle<'a> {
 
     fn hit(&self, id: u32, at_px: [f64; 2]) -> Hit {
         let part = self.part(id);
-        let place = shading::Place {
+        let material = part.material as usize;
+        let (source, factors) = (&self.scene.materials[material], &self.tables.materials[material]);
+        self.shader.hit(&self.place(part, id), source, factors, at_px)
+    }
+
+    fn place<'p>(&'p self, part: &'p Part, id: u32) -> Place<'p> {
+        Place {
             part,
             mesh: self.mesh(part),
             rows: self.rows(part),
             triangle: self.triangle(part, id),
             uv_channels: self.scene.uv_channels as usize,
-        };
-        let material = part.material as usize;
-        self.shader.hit(&place, &self.scene.materials[material], &self.tables.materials[material], at_px)
+        }
+    }
+
+    /// Whether a triangle stops light there.
+    fn is_opaque_at(&self, id: u32, weights: DVec3) -> bool {
+        let part = self.part(id);
+        if part.flags & PART_MASKED == 0 {
+            return true;
+        }
+        let material = &self.scene.materials[part.material as usize];
+        let cutoff = f64::from(self.tables.materials[part.material as usize].alpha_cutoff);
+        self.shader.alpha(&self.place(part, id), material, weights) >= cutoff
     }
 }
 

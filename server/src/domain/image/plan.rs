@@ -36,6 +36,8 @@ pub struct ImageContents {
     /// Of each vertex.
     pub uv_channels: u32,
     pub has_tangents: bool,
+    /// Lights that cast shadows by rays.
+    pub shadow_lights: u32,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
     pub aovs: Vec<Aov>,
@@ -65,7 +67,10 @@ impl ImageContents {
     fn scene_bytes(&self) -> u64 {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12 + if self.has_tangents { 48 } else { 0 };
-        self.vertices * per_vertex + self.triangles * per_triangle + self.texels * 16 * 4 / 3
+        // Corners, number, and two nodes.
+        let per_occluder = if self.shadow_lights > 0 { 36 + 4 + 2 * 32 } else { 0 };
+        let occluders = self.instance_triangles * per_occluder;
+        self.vertices * per_vertex + self.triangles * per_triangle + occluders + self.texels * 16 * 4 / 3
     }
 
     /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
@@ -74,7 +79,7 @@ impl ImageContents {
         let listed = self.instance_triangles.min(1 << 20);
         let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
         // Visibility, fragment, point, appearance, radiance, and a value of each kind of map.
-        let per_sample = 8 + 16 + 112 + 56 + 16 + 16 * u64::from(self.map_slots);
+        let per_sample = 8 + 16 + 112 + 56 + 16 + 16 * u64::from(self.map_slots) + 4 * u64::from(self.shadow_lights);
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
         screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
     }

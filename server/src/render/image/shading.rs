@@ -6,8 +6,8 @@ use displace_glsl::{
     layout::raster::{
         AppearanceParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL,
         MAP_OCCLUSION, MAP_SLOTS, NORMALS_OF_PIXELS, NORMALS_OF_TRIANGLES, NORMALS_OF_VERTICES, OUTPUT_DEPTH,
-        OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadePhongParams, SurfaceParams,
-        TextureParams,
+        OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadePhongParams, ShadowRaysParams,
+        SurfaceParams, TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -43,6 +43,7 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
             record_surface(recorder, frame, count)?;
             (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
             record_appearance(recorder, frame, count)?;
+            record_shadows(recorder, frame, count)?;
             record_light(recorder, frame, count)?;
         }
         record_pixels(recorder, frame, slab)
@@ -106,6 +107,39 @@ fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64)
         ("appearances", &work.appearances),
     ];
     Ok(recorder.dispatch(&SHADERS.appearance, count, &params, &bound)?)
+}
+
+fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, tables, streams, work, .. } = frame;
+    let Some(occluders) = &streams.occluders else { return Ok(()) };
+    let rays = count * tables.lights.len() as u64;
+    let params = ShadowRaysParams {
+        count: rays as u32,
+        lights: tables.lights.len() as u32,
+        nodes: occluders.nodes.len() as u32,
+        part_last: tables.parts.len().saturating_sub(1) as u32,
+        uv_channels: scene.uv_channels,
+        has_colors: u32::from(tables.colored),
+        offset_world: occluders.offset_world,
+    };
+    let bound = [
+        ("points", &work.points),
+        ("appearances", &work.appearances),
+        ("lights", &streams.lights),
+        ("nodes", &occluders.nodes),
+        ("occluder_corners", &occluders.corners),
+        ("occluders", &occluders.items),
+        ("parts", &streams.parts),
+        ("triangles", &streams.triangles),
+        ("materials", &streams.materials),
+        ("colors", &streams.colors),
+        ("uvs", &streams.uvs),
+        ("maps", &streams.texture_uses),
+        ("levels", &streams.levels),
+        ("texels", &streams.texels),
+        ("shadows", &work.shadows),
+    ];
+    Ok(recorder.dispatch(&SHADERS.shadow_rays, rays, &params, &bound)?)
 }
 
 fn record_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {

@@ -11,9 +11,9 @@ use crate::{
     domain::{
         Error, Result,
         image::{ImagePlan, RenderMesh, RenderScene},
-        request::Aov,
+        request::{Aov, Shadows},
     },
-    render::lists::scan::Scan,
+    render::{lists::scan::Scan, occluders::Shade},
     vulkan::{Device, Stream},
 };
 
@@ -46,6 +46,30 @@ pub(crate) struct SceneStreams {
     pub(crate) lights: Stream,
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
+    pub(crate) occluders: Option<OccluderStreams>,
+}
+
+/// What shadow rays meet.
+pub(crate) struct OccluderStreams {
+    pub(crate) nodes: Stream,
+    pub(crate) corners: Stream,
+    pub(crate) items: Stream,
+    pub(crate) offset_world: f32,
+}
+
+impl OccluderStreams {
+    fn upload(device: &Arc<Device>, scene: &RenderScene, tables: &Tables) -> Result<Option<Self>> {
+        if scene.shadows != Shadows::Ray || tables.lights.is_empty() {
+            return Ok(None);
+        }
+        let Shade { occluders, offset_world } = Shade::new(scene, tables)?;
+        Ok(Some(Self {
+            nodes: Stream::from_slice(device, "nodes", &occluders.nodes)?,
+            corners: Stream::from_slice(device, "occluder corners", &occluders.corners)?,
+            items: Stream::from_slice(device, "occluders", &occluders.items)?,
+            offset_world,
+        }))
+    }
 }
 
 impl SceneStreams {
@@ -70,6 +94,7 @@ impl SceneStreams {
             lights: Stream::from_slice(device, "lights", &tables.lights)?,
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,
+            occluders: OccluderStreams::upload(device, scene, tables)?,
         })
     }
 }
@@ -220,7 +245,11 @@ impl WorkStreams {
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
             mapped: mapped(device, scene, fragments)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
-            shadows: new("shadows", 4, 0)?,
+            shadows: new(
+                "shadows",
+                4,
+                if scene.shadows == Shadows::Ray { samples * tables.lights.len() as u64 } else { 0 },
+            )?,
             radiance: new("radiance", 16, samples)?,
             pixels: new("pixels", 4, pixels)?,
             outputs: Outputs::new(device, pixels, &scene.aovs)?,

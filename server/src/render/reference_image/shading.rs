@@ -3,11 +3,15 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::raster::{MAP_BASE_COLOR, MAP_SLOTS, MATERIAL_UNLIT, Material, PART_COLORED, PART_MIRRORED, Part},
+    layout::raster::{
+        LIGHT_SUN, Light, MAP_BASE_COLOR, MAP_SLOTS, MATERIAL_UNLIT, Material, PART_COLORED, PART_MIRRORED, Part,
+    },
     reference::{
         appearance::{Appearance, Under, appearance},
+        lights::incoming,
         mip::Level,
         shade_phong::{Reflected, reflected},
+        shadow_rays::Ray,
         surface::{Barycentrics, barycentrics, unit_or_zero},
         texture,
         transform::homogeneous,
@@ -16,10 +20,17 @@ use displace_glsl::{
 use glam::{DVec2, DVec3, DVec4};
 
 use crate::{
-    domain::image::{ColorMap, RenderMap, RenderMaterial, RenderMesh, RenderScene, Shading},
-    render::image::{
-        shading::eye_and_depth,
-        tables::{Tables, wrap_numbers},
+    domain::{
+        Result,
+        image::{ColorMap, RenderMap, RenderMaterial, RenderMesh, RenderScene, Shading},
+        request::Shadows,
+    },
+    render::{
+        image::{
+            shading::eye_and_depth,
+            tables::{Tables, wrap_numbers},
+        },
+        occluders::Shade,
     },
 };
 
@@ -96,6 +107,7 @@ pub(super) struct Hit {
 
 /// The twins with what they need to know of the scene.
 pub(super) struct Shader {
+    shade: Option<Shade>,
     /// Mip levels of each material's maps.
     maps: Vec<[Option<Arc<Vec<Level>>>; MAP_SLOTS]>,
     shading: Shading,
@@ -105,11 +117,13 @@ pub(super) struct Shader {
 }
 
 impl Shader {
-    pub(super) fn new(scene: &RenderScene) -> Self {
+    pub(super) fn new(scene: &RenderScene, tables: &Tables) -> Result<Self> {
         let (eye, view_depth) = eye_and_depth(&scene.camera);
         let [eye, view_depth] = [eye, view_depth].map(|v| DVec4::from_array(v.map(f64::from)));
         let (shading, ambient) = (scene.shading, f64::from(scene.lighting.ambient));
-        Self { maps: map_levels(scene), shading, ambient, eye, view_depth }
+        let is_shaded = scene.shadows == Shadows::Ray && !tables.lights.is_empty();
+        let shade = if is_shaded { Some(Shade::new(scene, tables)?) } else { None };
+        Ok(Self { shade, maps: map_levels(scene), shading, ambient, eye, view_depth })
     }
 
     pub(super) fn depth(&self, position: DVec3) -> f64 {
@@ -136,6 +150,18 @@ impl Shader {
         }
     }
 
+    /// The alpha of a place, at the finest level of its map.
+    pub(super) fn alpha(&self, place: &Place<'_>, source: &RenderMaterial, weights: DVec3) -> f64 {
+        let alpha = f64::from(source.base_color_factor[3]) * place.color(weights).w;
+        match (&source.maps[MAP_BASE_COLOR], &self.maps[place.part.material as usize][MAP_BASE_COLOR]) {
+            (Some(map), Some(levels)) => {
+                let at = on_map(map, place.uv(map.uv_channel, weights), 1.0);
+                alpha * texture::bilinear(&levels[0], at, wrap_numbers(map.wrap))[3]
+            }
+            _ => alpha,
+        }
+    }
+
     /// What each map shows; white where there is none.
     fn mapped(&self, place: &Place<'_>, source: &RenderMaterial, b: &Barycentrics) -> [DVec4; MAP_SLOTS] {
         let levels = &self.maps[place.part.material as usize];
@@ -145,13 +171,20 @@ impl Shader {
         })
     }
 
-    pub(super) fn radiance(&self, tables: &Tables, hit: &Hit) -> DVec3 {
+    /// `is_opaque` gets a triangle's number over all instances, and weights of its corners.
+    pub(super) fn radiance(&self, tables: &Tables, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> DVec3 {
         let look = &hit.look;
         let base = look.base.truncate();
         if look.flags & MATERIAL_UNLIT != 0 {
             return base;
         }
-        let of_light = |light| match self.shading {
+        let seen = tables.lights.iter().filter(|light| !self.is_shadowed(light, hit, &is_opaque));
+        let direct: DVec3 = seen.map(|light| self.reflected(light, hit).of(base)).sum();
+        base * (self.ambient * look.occlusion) + look.emissive + direct
+    }
+
+    fn reflected(&self, light: &Light, hit: &Hit) -> Reflected {
+        match self.shading {
             Shading::Flat => {
                 let centre = blend(DVec3::splat(1.0 / 3.0), hit.corners.map(|corner| corner.0));
                 reflected(light, centre, hit.facing, self.eye)
@@ -160,20 +193,31 @@ impl Shader {
                 let corners = hit.corners.map(|(position, normal)| reflected(light, position, normal, self.eye));
                 Reflected::blended(corners, hit.weights)
             }
-            Shading::Phong => reflected(light, hit.position, look.normal, self.eye),
-        };
-        let direct: DVec3 = tables.lights.iter().map(|light| of_light(light).of(base)).sum();
-        base * (self.ambient * look.occlusion) + look.emissive + direct
+            Shading::Phong => reflected(light, hit.position, hit.look.normal, self.eye),
+        }
+    }
+
+    fn is_shadowed(&self, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> bool {
+        let Some(shade) = &self.shade else { return false };
+        let direction = incoming(light, hit.position).direction;
+        if hit.look.normal.dot(direction) <= 0.0 && hit.look.normal != DVec3::ZERO {
+            return true;
+        }
+        let end = if light.kind == LIGHT_SUN { f64::INFINITY } else { vec3(light.position).distance(hit.position) };
+        let origin = hit.position + hit.facing * f64::from(shade.offset_world);
+        shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
     }
 }
 
 fn filtered(place: &Place<'_>, map: &RenderMap, levels: &[Level], b: &Barycentrics) -> DVec4 {
-    let on_map = |uv: DVec2, one: f64| {
-        map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
-    };
-    let uv = |weights: DVec3| place.uv(map.uv_channel, weights);
-    let (at, dx, dy) = (on_map(uv(b.at), 1.0), on_map(uv(b.dx), 0.0), on_map(uv(b.dy), 0.0));
+    let uv = |weights: DVec3, one: f64| on_map(map, place.uv(map.uv_channel, weights), one);
+    let (at, dx, dy) = (uv(b.at, 1.0), uv(b.dx, 0.0), uv(b.dy, 0.0));
     DVec4::from_array(texture::trilinear(levels, at, dx, dy, wrap_numbers(map.wrap)))
+}
+
+/// Where a UV lies on the map; `one` is 0 for differences.
+fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
+    map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
 }
 
 fn vec3(v: [f32; 3]) -> DVec3 {
