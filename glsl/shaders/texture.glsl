@@ -26,8 +26,27 @@ int wrapped(int i, int size, uint mode) {
     return clamp(i, 0, size - 1);
 }
 
+// The same for a number up to 64 sizes below the first texel, or any number above.
+int repeated(int i, int size, uint mode) {
+    if (mode == WRAP_CLAMP) {
+        return clamp(i, 0, size - 1);
+    }
+    uint period = uint(mode == WRAP_MIRROR ? 2 * size : size);
+    int place = int(uint(i + 64 * size) % period);
+    return place < size ? place : 2 * size - 1 - place;
+}
+
 uvec2 wraps_of(TextureUse map) {
     return uvec2(map.wrap & 3u, map.wrap >> 2);
+}
+
+// The texel under (u, v).
+vec4 nearest(uvec4 level, vec2 uv, uvec2 wrap) {
+    ivec2 size = ivec2(level.yz);
+    vec2 p = floor(vec2(periodic(uv.x, wrap.x), periodic(uv.y, wrap.y)) * vec2(size));
+    ivec2 i = ivec2(wrapped(integer(p.x), size.x, wrap.x), wrapped(integer(p.y), size.y, wrap.y));
+    vec4 value = TEXEL(level.x + uint(i.y * size.x + i.x));
+    return vec4(value.rgb, min(value.a * uintBitsToFloat(level.w), 1.0));
 }
 
 // The level of a map at (u, v), texel i of n at (i + 1/2) / n; alpha is scaled so that levels cover alike.
