@@ -1,6 +1,10 @@
 //! Twin of `mip`: the next level of a map, box filtered in linear light; three texels wide where a size is
 //! odd (polyphase), so that nothing shifts.
 
+mod coverage;
+
+pub use coverage::{coverage, keep_coverage};
+
 /// A mip level: linear RGBA, row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
