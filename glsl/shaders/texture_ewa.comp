@@ -20,6 +20,15 @@ const float LEAST_VARIANCE = 0.15;
 // standard deviations are at most 2 * sqrt((64^2 + 16 + 3) / 12 / KERNEL_VARIANCE) = 50.3 texels.
 const int MAX_SIDE = 102;
 
+// No ellipse reaches the map from farther away: what is clamped need not be followed there.
+const float FAR = 64.0;
+
+// Place in texels, texel i at i.
+float place_of(float u, int size, uint mode) {
+    float clamped = clamp(u * float(size) - 0.5, -FAR, float(size) + FAR);
+    return mode == WRAP_CLAMP ? clamped : periodic(u, mode) * float(size) - 0.5;
+}
+
 // xx, xy and yy in texels of a level; `scale` is its size by that of the finest.
 vec3 variance(uvec4 level, vec2 scale, vec3 spread) {
     vec2 along = scale * scale * (spread.xz / 12.0 + 0.25) - 1.0 / 12.0;
@@ -34,7 +43,7 @@ vec3 variance(uvec4 level, vec2 scale, vec3 spread) {
 
 vec4 elliptical(uvec4 level, vec2 uv, vec3 v, uvec2 wrap) {
     ivec2 size = ivec2(level.yz);
-    vec2 centre = vec2(periodic(uv.x, wrap.x), periodic(uv.y, wrap.y)) * vec2(size) - 0.5;
+    vec2 centre = vec2(place_of(uv.x, size.x, wrap.x), place_of(uv.y, size.y, wrap.y));
     ivec2 base = ivec2(integer(floor(centre.x)), integer(floor(centre.y)));
     centre -= floor(centre);
     float determinant = v.x * v.z - v.y * v.y;

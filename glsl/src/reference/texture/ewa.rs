@@ -2,7 +2,7 @@
 
 use super::{
     super::mip::Level,
-    bilinear, covering,
+    WRAP_CLAMP, bilinear, covering,
     footprint::{Footprint, footprint},
     mix, places, texel,
 };
@@ -15,6 +15,8 @@ const REACH: f64 = 2.0;
 const KERNEL_VARIANCE: f64 = 0.544_321_158_144_394_5;
 /// In texels: with less, the ellipse could slip between texels. No level that halves falls below it.
 const LEAST_VARIANCE: f64 = 0.15;
+/// In texels: no ellipse reaches the map from farther away, so what is clamped need not be followed there.
+const FAR: f64 = 64.0;
 
 /// Where the footprint is smaller than a texel it fades into [`bilinear`], which a Gaussian over so few texels cannot
 /// reproduce; where it spans more than 3.4 to 4 texels of a level, into the next one.
@@ -70,7 +72,12 @@ fn variance(finest: &Level, level: &Level, [xx, xy, yy]: [f64; 3]) -> [f64; 3] {
 fn elliptical(finest: &Level, level: &Level, uv: [f64; 2], spread: [f64; 3], wrap: [u32; 2]) -> [f64; 4] {
     let [xx, xy, yy] = variance(finest, level, spread).map(|v| v / KERNEL_VARIANCE);
     let determinant = xx * yy - xy * xy;
-    let centre = places(level, uv);
+    let mut centre = places(level, uv);
+    for (k, size) in [level.width, level.height].into_iter().enumerate() {
+        if wrap[k] == WRAP_CLAMP {
+            centre[k] = centre[k].clamp(-FAR, size as f64 + FAR);
+        }
+    }
     let (mut sum, mut total) = ([0.0; 4], 0.0);
     let reach = REACH * yy.sqrt();
     for y in (centre[1] - reach).ceil() as i64..=(centre[1] + reach).floor() as i64 {

@@ -103,13 +103,14 @@ fn at_60_degrees_each_filter_is_better_than_the_one_before_and_ewa_by_half() {
 }
 
 #[test]
-fn at_85_degrees_anisotropic_and_ewa_are_better_than_trilinear_several_times() {
+fn at_85_degrees_anisotropic_and_ewa_err_less_than_a_third_of_what_trilinear_does() {
     for (name, [nearest, bilinear, trilinear, anisotropic, ewa]) in MAPS.iter().zip(printed(85.0, 0.044)) {
         for k in 0..2 {
             assert!(bilinear[k] < nearest[k], "{name}: bilinear");
             assert!(trilinear[k] < bilinear[k], "{name}: trilinear");
-            assert!(anisotropic[k] < 0.5 * trilinear[k], "{name}: anisotropic");
-            assert!(ewa[k] < 0.5 * trilinear[k], "{name}: elliptical");
+            let share = [0.3, 0.4][k];
+            assert!(anisotropic[k] < share * trilinear[k], "{name}: anisotropic");
+            assert!(ewa[k] < share * trilinear[k], "{name}: elliptical");
         }
     }
 }
