@@ -38,6 +38,7 @@ mirrors! {
 
 pub mod bound;
 pub mod geometry;
+pub mod light;
 pub mod lists;
 pub mod raster;
 pub mod refine;

@@ -5,6 +5,8 @@ pub mod appearance;
 pub mod attributes;
 
 pub mod bound;
+pub mod brdf;
+pub mod brdf_table;
 pub mod clip;
 pub mod collapse;
 pub mod compact;

@@ -1,0 +1,50 @@
+// The metallic-roughness model of glTF 2.0, appendix B: GGX (Walter et al. 2007), height-correlated masking (Heitz 2014),
+// Schlick's Fresnel (1994).
+
+const float PI = 3.14159265358979;
+// Below it the lobe is narrower than f32 directions tell apart with a few digits: roughness 1/32.
+const float MIN_ALPHA = 1.0 / 1024.0;
+const float MIN_ROUGHNESS = 1.0 / 32.0;
+// Of the normal and the direction to the viewer; a normal that faces away is bent back to it.
+const float MIN_COSINE = 1e-4;
+// Reflectance of dielectrics seen head on: an index of refraction of 1.5.
+const float DIELECTRIC_F0 = 0.04;
+
+// A surface as the model sees it.
+struct Reflectance {
+    vec3 f0;         // seen head on, 0 to 1
+    vec3 diffuse;    // albedo below the interface
+    float roughness; // perceptual
+    float alpha;     // width of GGX
+};
+
+Reflectance reflectance(vec3 base, float metallic, float roughness) {
+    metallic = clamp(metallic, 0.0, 1.0);
+    roughness = clamp(roughness, MIN_ROUGHNESS, 1.0);
+    base = clamp(base, 0.0, 1.0);
+    return Reflectance(
+        mix(vec3(DIELECTRIC_F0), base, metallic), base * (1.0 - metallic), roughness, roughness * roughness);
+}
+
+// GGX by the half vector's cosine and squared sine, which keeps its digits where the lobe is narrow.
+float distribution(float alpha, float cosine, float sine_squared) {
+    float squared = alpha * alpha;
+    float spread = squared * cosine * cosine + sine_squared;
+    return squared / (PI * spread * spread);
+}
+
+float masking(float squared, float cosine) {
+    return sqrt(squared + (1.0 - squared) * cosine * cosine);
+}
+
+// Masking and shadowing over 4 (n.l) (n.v).
+float visibility(float alpha, float nv, float nl) {
+    float squared = alpha * alpha;
+    return 0.5 / (nl * masking(squared, nv) + nv * masking(squared, nl));
+}
+
+// (1 - cosine)^5.
+float grazing(float cosine) {
+    float x = clamp(1.0 - cosine, 0.0, 1.0);
+    return x * x * x * x * x;
+}

@@ -1,0 +1,95 @@
+// What a surface makes of light: shares of light from everywhere by the table, and the share of one light. Facets pass
+// light on to each other as Kulla and Conty (2017) have it. Include after brdf.glsl; needs in scope
+//   PAGED(b, readonly, vec3, brdf_table);   of `brdf_table` and `brdf_averages`
+
+const uint TABLE_SIDE = 128u;
+
+// The texel centre at or below x, and how far x is on the way to the next: half a cell beyond the outermost the table
+// goes on as a line, so that a roughness of 1 is not that of the last texel.
+struct Between {
+    uint low;
+    float t;
+};
+
+Between between(float x) {
+    float p = clamp(x, 0.0, 1.0) * float(TABLE_SIDE) - 0.5;
+    float low = clamp(floor(p), 0.0, float(TABLE_SIDE - 2u));
+    return Between(uint(integer(low)), p - low);
+}
+
+vec3 table_row(uint first, Between column) {
+    return mix(LOAD(brdf_table, first + column.low), LOAD(brdf_table, first + column.low + 1u), column.t);
+}
+
+// Scale and bias of f0, and the diffuse light that a white surface's Fresnel keeps out.
+vec3 table_at(float roughness, float cosine) {
+    Between row = between(roughness);
+    Between column = between(sqrt(cosine));
+    return mix(table_row(row.low * TABLE_SIDE, column), table_row((row.low + 1u) * TABLE_SIDE, column), row.t);
+}
+
+// Means over the directions of light: of scale, of bias, and of what both leave of 1.
+vec3 table_average(float roughness) {
+    return table_row(TABLE_SIDE * TABLE_SIDE, between(roughness));
+}
+
+// `n` as the viewer in direction `v` can see it: one that faces away is bent until it is seen from the side.
+vec3 visible_normal(vec3 n, vec3 v) {
+    float cosine = dot(n, v);
+    if (cosine >= MIN_COSINE) {
+        return n;
+    }
+    vec3 side = n - cosine * v;
+    float squared = dot(side, side);
+    return squared < 1e-12 ? v : normalize(side * inversesqrt(squared) + MIN_COSINE * v);
+}
+
+// Shares of light that a surface reflects, seen under one angle.
+struct Albedo {
+    vec3 single;   // at the first facet met: what a mirrored direction is weighed by
+    vec3 multiple; // after several facets: like diffuse light
+    vec3 below;    // what is left for the matter below
+};
+
+// Share of light that comes out of facets after more than one, of what one facet has not let out.
+vec3 passed_on(vec3 f0, float lost) {
+    vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
+    return mean_fresnel * mean_fresnel * (1.0 - lost) / (1.0 - mean_fresnel * lost);
+}
+
+// Of light from everywhere. Without `multiple` facets pass nothing on to each other, as appendix B has it.
+Albedo albedo(Reflectance surface, float nv, bool multiple) {
+    vec3 cell = table_at(surface.roughness, nv);
+    vec3 single = surface.f0 * cell.x + cell.y;
+    if (!multiple) {
+        return Albedo(single, vec3(0.0), (1.0 - surface.f0) * (1.0 - cell.z));
+    }
+    vec3 passed = passed_on(surface.f0, table_average(surface.roughness).z) * max(1.0 - cell.x - cell.y, 0.0);
+    return Albedo(single, passed, 1.0 - single - passed);
+}
+
+// What is weighed by the light of all directions that the surface sees.
+vec3 around(Reflectance surface, Albedo seen) {
+    return seen.multiple + surface.diffuse * seen.below;
+}
+
+// Share of light from `l` that leaves towards `v`, per steradian, times pi; all unit, `n` as `visible_normal` has it, `l`
+// in front of the surface. `seen`: the albedo towards `v`. What facets pass on and what comes from below them falls with
+// what single facets reflect to either side, so that directions can be exchanged.
+vec3 brdf_pi(Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 l, bool multiple) {
+    float nv = clamp(dot(n, v), MIN_COSINE, 1.0);
+    float nl = min(dot(n, l), 1.0);
+    vec3 h = normalize(v + l);
+    vec3 across = cross(n, h);
+    float lobe = PI * distribution(surface.alpha, dot(n, h), dot(across, across)) * visibility(surface.alpha, nv, nl);
+    vec3 fresnel = surface.f0 + (1.0 - surface.f0) * grazing(dot(v, h));
+    if (!multiple) {
+        return fresnel * lobe + surface.diffuse * (1.0 - fresnel);
+    }
+    Albedo lit = albedo(surface, nl, true);
+    vec3 average = table_average(surface.roughness);
+    vec3 passed = passed_on(surface.f0, average.z) * average.z;
+    vec3 below = 1.0 - (surface.f0 * average.x + average.y) - passed;
+    return fresnel * lobe + seen.multiple * lit.multiple / max(passed, vec3(1e-12))
+        + surface.diffuse * seen.below * lit.below / max(below, vec3(1e-12));
+}
