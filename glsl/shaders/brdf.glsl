@@ -48,3 +48,14 @@ float grazing(float cosine) {
     float x = clamp(1.0 - cosine, 0.0, 1.0);
     return x * x * x * x * x;
 }
+
+// `n` as the viewer in direction `v` can see it: one that faces away is bent until it is seen from the side.
+vec3 visible_normal(vec3 n, vec3 v) {
+    float cosine = dot(n, v);
+    if (cosine >= MIN_COSINE) {
+        return n;
+    }
+    vec3 side = n - cosine * v;
+    float squared = dot(side, side);
+    return squared < 1e-12 ? v : normalize(side * inversesqrt(squared) + MIN_COSINE * v);
+}

@@ -33,17 +33,6 @@ vec3 table_average(float roughness) {
     return table_row(TABLE_SIDE * TABLE_SIDE, between(roughness));
 }
 
-// `n` as the viewer in direction `v` can see it: one that faces away is bent until it is seen from the side.
-vec3 visible_normal(vec3 n, vec3 v) {
-    float cosine = dot(n, v);
-    if (cosine >= MIN_COSINE) {
-        return n;
-    }
-    vec3 side = n - cosine * v;
-    float squared = dot(side, side);
-    return squared < 1e-12 ? v : normalize(side * inversesqrt(squared) + MIN_COSINE * v);
-}
-
 // Shares of light that a surface reflects, seen under one angle.
 struct Albedo {
     vec3 single;   // at the first facet met: what a mirrored direction is weighed by

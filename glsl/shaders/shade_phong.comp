@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Light by Phong's model (1975): of the pixel's normal, of the vertices' and blended (Gouraud 1971), or of the
-// triangle's, once (flat). A thread per fragment.
+// triangle's, once (flat); and what mirrors show of an environment (Blinn and Newell 1976). A thread per fragment.
 #include "common.glsl"
 #include "pages.glsl"
 #include "surface_point.glsl"
@@ -9,6 +9,7 @@
 #include "material.glsl"
 #include "appearance.glsl"
 #include "lights.glsl"
+#include "surroundings.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -19,6 +20,8 @@ layout(push_constant, scalar) uniform Params {
     uint shadowed; // whether `shadows` holds anything
     vec4 eye;      // w = 1: a place; w = 0: the direction towards an orthographic camera
     float ambient;
+    float reflectivity;   // share of the mirrored surroundings that is added
+    uint has_environment; // whether `surroundings` holds anything
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -28,7 +31,9 @@ PAGED(3, readonly, float, shadows); // share of each light that arrives, `lights
 PAGED(4, readonly, vec3, positions);
 PAGED(5, readonly, vec3, normals);
 PAGED(6, readonly, vec4, instance_rows);
-PAGED(7, writeonly, vec4, radiance);
+PAGED(7, readonly, Surroundings, surroundings);
+PAGED(8, writeonly, vec4, radiance);
+#include "world.glsl"
 
 const uint NORMALS_OF_PIXELS = 0u;
 const uint NORMALS_OF_VERTICES = 1u;
@@ -56,19 +61,6 @@ Reflected reflected(Light light, vec3 position, vec3 normal) {
     float highlight = pow(max(dot(mirrored, to_eye), 0.0), SPECULAR_EXPONENT);
     vec3 scattered = arriving.irradiance * ONE_OVER_PI;
     return Reflected(scattered * cosine, scattered * (SPECULAR_STRENGTH * highlight));
-}
-
-vec3 mapped(uint row, vec4 v) {
-    vec3 result;
-    for (uint k = 0u; k < 3u; ++k) {
-        result[k] = dot(LOAD(instance_rows, row + k), v);
-    }
-    return result;
-}
-
-vec3 unit_or_zero(vec3 v) {
-    float squared = dot(v, v);
-    return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
 }
 
 // At vertex k of the triangle.
@@ -113,6 +105,10 @@ void element(uint i) {
     vec3 color = a.base.rgb;
     if ((a.flags & MATERIAL_UNLIT) == 0u) {
         color = a.base.rgb * (params.ambient * a.occlusion) + a.emissive;
+        if (params.has_environment != 0u) {
+            Surroundings sky = LOAD(surroundings, i);
+            color += a.occlusion * (a.base.rgb * sky.diffuse + params.reflectivity * sky.specular);
+        }
         [[dont_unroll]] for (uint l = 0u; l < params.lights; ++l) {
             float arriving = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
             if (arriving > 0.0) {

@@ -182,6 +182,8 @@ mirrors! {
         pub shadowed: u32,
         pub eye: [f32; 4],
         pub ambient: f32,
+        pub reflectivity: f32,
+        pub has_environment: u32,
     }
 
     pub struct ResolveParams {

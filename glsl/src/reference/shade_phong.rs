@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
-use super::lights::incoming;
+use super::{lights::incoming, surroundings::Surroundings};
 use crate::layout::raster::Light;
 
 const SPECULAR_STRENGTH: f64 = 0.2;
@@ -47,4 +47,12 @@ pub fn reflected(light: &Light, position: DVec3, normal: DVec3, eye: glam::DVec4
     let highlight = mirrored.dot(to_eye).max(0.0).powf(SPECULAR_EXPONENT);
     let scattered = arriving.irradiance * FRAC_1_PI;
     Reflected { diffuse: scattered * cosine, specular: scattered * (SPECULAR_STRENGTH * highlight) }
+}
+
+/// Light of an environment, from a surface of linear base colour `base`: its irradiance over pi in place of ambient light,
+/// and a share `reflectivity` of what a mirror shows (reflection mapping, Blinn and Newell 1976), which is right as far as
+/// the surroundings are away.
+#[must_use]
+pub fn from_surroundings(sky: &Surroundings, base: DVec3, occlusion: f64, reflectivity: f64) -> DVec3 {
+    occlusion * (base * sky.diffuse + reflectivity * sky.specular)
 }
