@@ -4,6 +4,7 @@
 mod camera;
 mod detail;
 mod geometry;
+mod light;
 mod look;
 pub(crate) mod values;
 
@@ -14,6 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
+pub(crate) use light::{FilterArg, LightArgs, ShadingArg, ShadowsArg};
 pub(crate) use look::LookArgs;
 pub(crate) use values::LightArg;
 
@@ -184,25 +186,6 @@ pub(crate) enum AovArg {
     Triangle,
 }
 
-/// Shadows of lights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ShadowsArg {
-    None,
-    /// By rays towards the lights
-    Ray,
-}
-
-/// How light becomes colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ShadingArg {
-    /// Phong's model, once for each triangle
-    Flat,
-    /// Phong's model at the vertices, blended
-    Gouraud,
-    /// Phong's model at each pixel
-    Phong,
-}
-
 const RENDER_EXAMPLES: &str = "\
 Examples:
   displace render model.glb -o flat.png
@@ -236,12 +219,8 @@ pub(crate) struct RenderArgs {
     /// Rays a pixel, 1 to 1024, traced in f64; needs --device reference [default: 4 samples of visibility, by any device]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Look")]
     pub(crate) supersample: Option<u32>,
-    /// Shadows of lights that have a place or a direction
-    #[arg(long, value_enum, value_name = "KIND", default_value = "none", help_heading = "Look")]
-    pub(crate) shadows: ShadowsArg,
-    /// How light becomes colour
-    #[arg(long, value_enum, value_name = "KIND", default_value = "phong", help_heading = "Look")]
-    pub(crate) shading: ShadingArg,
+    #[command(flatten)]
+    pub(crate) light: LightArgs,
     /// More images: any of depth, normal, position, uv, triangle
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,

@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, CompressArg, LightArg, LookArgs, MethodArg, PresetArg, SamplingArg, ShadingArg,
-        ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg, PresetArg,
+        SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -111,6 +111,10 @@ impl Parcel {
         })
     }
 
+    pub(crate) fn environment(&mut self, path: &Path) -> Result<v1::Digest> {
+        self.map_file("--env", path)
+    }
+
     pub(crate) fn look(&mut self, look: &LookArgs) -> Result<Option<v1::Look>> {
         let Some(path) = &look.base_color else { return Ok(None) };
         Ok(Some(v1::Look { base_color: Some(self.map_file("--base-color", path)?) }))
@@ -195,21 +199,31 @@ pub(crate) fn view(args: &CameraArgs) -> v1::View {
     v1::View { camera, width: args.size.width, height: args.size.height }
 }
 
-pub(crate) fn lighting(look: &LookArgs, shadows: ShadowsArg, shading: ShadingArg) -> v1::Lighting {
-    let shadows = match shadows {
+pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1::Digest>) -> v1::Lighting {
+    let shadows = match args.shadows {
         ShadowsArg::None => v1::Shadows::None,
         ShadowsArg::Ray => v1::Shadows::Ray,
     };
-    let shading = match shading {
+    let shading = match args.shading {
         ShadingArg::Flat => v1::Shading::Flat,
         ShadingArg::Gouraud => v1::Shading::Gouraud,
         ShadingArg::Phong => v1::Shading::Phong,
+        ShadingArg::Pbr => v1::Shading::Pbr,
+    };
+    let filter = match args.filter {
+        FilterArg::Nearest => v1::Filter::Nearest,
+        FilterArg::Bilinear => v1::Filter::Bilinear,
+        FilterArg::Trilinear => v1::Filter::Trilinear,
+        FilterArg::Anisotropic => v1::Filter::Anisotropic,
+        FilterArg::Ewa => v1::Filter::Ewa,
     };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
         shadows: shadows.into(),
         shading: shading.into(),
+        filter: filter.into(),
+        environment,
     }
 }
 

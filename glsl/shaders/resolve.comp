@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform Params {
     uint outputs; // OUTPUT_*
     vec4 view_depth; // row that takes a world place to its distance along the viewing axis
     vec3 background;
+    uint has_backdrop; // `backdrop` is shown instead
     uint uv_channels;
 } params;
 
@@ -31,6 +32,7 @@ PAGED(8, writeonly, vec3, normal_out);
 PAGED(9, writeonly, vec3, position_out);
 PAGED(10, writeonly, vec2, uv_out);
 PAGED(11, writeonly, uint, triangle_out);
+PAGED(12, readonly, vec3, backdrop);
 
 const uint OUTPUT_DEPTH = 1u;
 const uint OUTPUT_NORMAL = 2u;
@@ -90,7 +92,9 @@ void element(uint i) {
             shown = first + k;
         }
     }
-    color += params.background * (0.25 * float(empty));
+    if (empty > 0u) {
+        color += (params.has_backdrop != 0u ? LOAD(backdrop, i) : params.background) * (0.25 * float(empty));
+    }
     STORE(color_out, i, vec4(color, 1.0));
     bool something = most > 0u && most >= empty;
     if (params.outputs != 0u) {

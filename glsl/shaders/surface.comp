@@ -62,19 +62,7 @@ Barycentrics barycentrics_at(uint row, mat3 position, vec2 at_px) {
     return barycentrics_of(corner);
 }
 
-// Three rows applied to a vector.
-vec3 mapped(uint row, vec4 v) {
-    vec3 result;
-    for (uint k = 0u; k < 3u; ++k) {
-        result[k] = dot(LOAD(instance_rows, row + k), v);
-    }
-    return result;
-}
-
-vec3 unit_or_zero(vec3 v) {
-    float squared = dot(v, v);
-    return squared > 1e-30 && squared < 1e30 ? v * inversesqrt(squared) : vec3(0.0);
-}
+#include "world.glsl"
 
 // Unit normal of the triangle's front in the world.
 vec3 front_of(uint row, mat3 position) {

@@ -3,6 +3,7 @@
 
 pub mod appearance;
 pub mod attributes;
+pub mod backdrop;
 
 pub mod bound;
 pub mod brdf;

@@ -7,6 +7,7 @@ pub mod describe;
 pub mod detail;
 pub mod digest;
 pub mod encode;
+pub mod environment;
 pub mod error;
 pub mod expression;
 pub mod fit;

@@ -6,7 +6,7 @@ use clap::ArgMatches;
 use displace_proto::v1::{ImageFormat, Output, RenderRequest, geometry::Refinement};
 
 use super::{
-    Session,
+    Session, blocking,
     surface::{Outcome, Surface, save},
 };
 use crate::{
@@ -37,14 +37,20 @@ pub(super) async fn perform(
     let format = format(&args.output)?;
     refuse_repeated_aovs(args)?;
     Target::new(&args.output)?;
-    let (mut surface, parcel) = surface.request(session).await?;
+    let (mut surface, mut parcel) = surface.request(session).await?;
+    let environment = args.light.env.clone();
+    let (parcel, environment) = blocking(move || {
+        let environment = environment.map(|path| parcel.environment(&path)).transpose()?;
+        Ok((parcel, environment))
+    })
+    .await?;
     if let Some(geometry) = surface.geometry.as_mut().filter(|_| args.exact) {
         geometry.refinement = Some(Refinement::Exact(true));
     }
     let message = RenderRequest {
         surface: Some(surface),
         views: vec![request::view(&args.camera)],
-        lighting: Some(request::lighting(&args.look, args.shadows, args.shading)),
+        lighting: Some(request::lighting(&args.look, &args.light, environment)),
         aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
         format: format.into(),
         samples: args.supersample.unwrap_or_default(),

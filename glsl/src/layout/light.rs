@@ -9,10 +9,26 @@ pub const TABLE_SAMPLES: u32 = 1024;
 /// wider than the narrowest lobe it is read for.
 pub const LOBE_WIDTHS: [u32; 12] = [512, 256, 256, 128, 128, 64, 64, 64, 64, 64, 64, 64];
 
-/// Samples of a texel of such a level, by its number: where it has few texels, more.
+/// Levels of an environment that lobes see: perceptual roughness, width, height and samples of a texel, for a map of that
+/// width. Where the map has less to show than a level could, the level is smaller; where it has few texels, they have more
+/// samples.
 #[must_use]
-pub fn lobe_samples(k: usize) -> u32 {
-    if LOBE_WIDTHS[k] >= 256 { 256 } else { 512 }
+pub fn lobe_levels(map_width: u32) -> [LobeLevel; LOBE_WIDTHS.len()] {
+    let most = (2 * map_width).next_power_of_two().max(64);
+    std::array::from_fn(|k| {
+        let width = LOBE_WIDTHS[k].min(most);
+        let samples = if width >= 256 { 256 } else { 512 };
+        LobeLevel { roughness: (k + 1) as f32 / LOBE_WIDTHS.len() as f32, size: [width, width / 2], samples }
+    })
+}
+
+/// See `lobe_levels`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LobeLevel {
+    pub roughness: f32,
+    pub size: [u32; 2],
+    /// A power of two.
+    pub samples: u32,
 }
 
 mirrors! {
@@ -43,6 +59,16 @@ mirrors! {
         pub eye: [f32; 4],
         pub ambient: f32,
         pub has_environment: u32,
+    }
+
+    pub struct BackdropParams {
+        pub count: u32,
+        pub slab_px: [i32; 2],
+        pub slab_size_px: [i32; 2],
+        pub mips: u32,
+        pub direction: [f32; 3],
+        pub direction_dx: [f32; 3],
+        pub direction_dy: [f32; 3],
     }
 
     pub struct SurroundingsParams {

@@ -191,6 +191,7 @@ mirrors! {
         pub outputs: u32,
         pub view_depth: [f32; 4],
         pub background: [f32; 3],
+        pub has_backdrop: u32,
         pub uv_channels: u32,
     }
 

@@ -8,7 +8,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::mip::Level;
+use super::{environment_level::environment_level, mip::Level};
+use crate::layout::light::lobe_levels;
 
 /// Light from everywhere, linear radiance.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +72,15 @@ pub fn trilinear(mips: &[Level], place: [f64; 2], level: f64) -> DVec3 {
 }
 
 impl Environment {
+    /// Of a map of `width` texels a row.
+    #[must_use]
+    pub fn new(width: usize, texels: &[[f32; 3]]) -> Self {
+        let wide = texels.iter().map(|t| DVec3::from_array(t.map(f64::from)).extend(1.0).to_array()).collect();
+        let mips = Level { width, height: texels.len() / width, texels: wide, alpha_scale: 1.0 }.chain();
+        let glossy = lobe_levels(width as u32).map(|how| environment_level(&mips, how)).into();
+        Self { mips, glossy, harmonics: harmonics(width, texels) }
+    }
+
     /// What arrives from `d` over `footprint` radians: the mip level has texels as high as that (Blinn and Newell 1976 see
     /// one place; Williams 1983 filters).
     #[must_use]

@@ -12,12 +12,13 @@ use super::{
     environment::{direction, place, trilinear},
     mip::Level,
 };
+use crate::layout::light::LobeLevel;
 
-/// `samples`: a power of two.
 #[must_use]
-pub fn environment_level(mips: &[Level], roughness: f64, size: [usize; 2], samples: u32) -> Level {
-    let [width, height] = size;
-    let lobe = lobe((roughness * roughness).max(MIN_ALPHA), &mips[0], samples);
+pub fn environment_level(mips: &[Level], how: LobeLevel) -> Level {
+    let [width, height] = how.size.map(|side| side as usize);
+    let alpha = f64::from(how.roughness).powi(2).max(MIN_ALPHA);
+    let lobe = lobe(alpha, &mips[0], how.samples);
     let texel = |i: usize| {
         let [u, v] = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
         seen(mips, &lobe, [u / width as f64, v / height as f64])

@@ -13,7 +13,7 @@ use super::{
     request::{Aov, Shadows},
 };
 
-pub use lighting::{LightShape, Lighting, RenderLight, Shading};
+pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
 
 /// How an image was taken, for the files that can hold it.
@@ -40,6 +40,7 @@ pub struct RenderScene {
     pub lighting: Lighting,
     pub shading: Shading,
     pub shadows: Shadows,
+    pub filter: Filter,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -62,6 +63,7 @@ impl RenderScene {
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
             shadow_lights: if self.shadows == Shadows::Ray { self.lighting.lights.len() as u32 } else { 0 },
+            environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Digest,
     detail::{Sampling, Wrap},
-    image::{RenderLight, Shading},
+    image::{Filter, RenderLight, Shading},
 };
 
 /// Work to be estimated.
@@ -25,6 +25,15 @@ pub enum EstimateRequest {
 }
 
 impl EstimateRequest {
+    /// As [`DisplaceRequest::assets`].
+    #[must_use]
+    pub fn assets(&self) -> Vec<Digest> {
+        match self {
+            Self::Displace(request) => request.assets(),
+            Self::Render(request) => request.assets(),
+        }
+    }
+
     /// The geometry half.
     #[must_use]
     pub fn surface(&self) -> &DisplaceRequest {
@@ -90,6 +99,15 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// As [`DisplaceRequest::assets`].
+    #[must_use]
+    pub fn assets(&self) -> Vec<Digest> {
+        let mut assets: Vec<Digest> = self.surface.assets().into_iter().chain(self.look.environment).collect();
+        assets.sort_unstable();
+        assets.dedup();
+        assets
+    }
+
     /// Rays a pixel where the surface itself is shown and nothing is said of how many.
     pub const DEFAULT_SAMPLES: u32 = 64;
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=1024;
@@ -247,7 +265,10 @@ pub struct Look {
     /// Ambient light, linear, 0 to 1.
     pub ambient: f32,
     pub shading: Shading,
+    pub filter: Filter,
     pub shadows: Shadows,
+    /// Equirectangular map of radiance.
+    pub environment: Option<Digest>,
 }
 
 /// Whether surfaces take each other's light.

@@ -66,7 +66,7 @@ impl DisplacementService {
     async fn estimate(&self, request: Request<v1::EstimateRequest>) -> Result<v1::EstimateResponse> {
         let store = self.store(request.metadata())?;
         let request = convert::estimate(request.into_inner(), &self.0.config)?;
-        self.require(&request.surface().assets(), &store).await?;
+        self.require(&request.assets(), &store).await?;
         let work = self.work(request.clone());
         let (key, seconds) = (self.0.jobs.key(work.as_ref(), &store), self.0.jobs.expected_secs(work.as_ref()));
         let cached = self.0.jobs.stored(&key, &store).await?.is_some();
@@ -124,7 +124,7 @@ impl Displacement for DisplacementService {
             let store = self.store(request.metadata())?;
             let how = request.get_ref().surface.as_ref().map(how_of_surface).unwrap_or_default();
             let request = convert::render("", request.into_inner(), &self.0.config)?;
-            self.updates(&request.surface.assets(), self.0.recipes.render(request), how, store).await
+            self.updates(&request.assets(), self.0.recipes.render(request), how, store).await
         };
         answer(updates.await)
     }

@@ -63,7 +63,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
             .collect(),
         materials,
         camera,
-        lighting: looks::lighting(&request.look, scene),
+        lighting: looks::lighting(&request.look, scene, looks::environment(&request.look, context.assets)?),
         shading: request.look.shading,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::looks::{self, UvSets};
 use crate::domain::{
     Result, camera,
+    environment::Environment,
     image::{RenderInstance, RenderMesh, RenderScene},
     mesh::{Mesh, Primitive},
     report::Warning,
@@ -18,7 +19,12 @@ use crate::domain::{
 };
 
 /// Consumes the surfaces: their streams become the renderer's without a copy.
-pub(super) fn render_scene(request: &RenderRequest, scene: &mut Scene, surfaces: Vec<Surface>) -> Result<RenderScene> {
+pub(super) fn render_scene(
+    request: &RenderRequest,
+    scene: &mut Scene,
+    surfaces: Vec<Surface>,
+    environment: Option<Arc<Environment>>,
+) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials);
     let materials = looks::materials(scene, &sets)?;
@@ -34,9 +40,10 @@ pub(super) fn render_scene(request: &RenderRequest, scene: &mut Scene, surfaces:
         instances: instances.map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh }).collect(),
         materials,
         camera: camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?,
-        lighting: looks::lighting(&request.look, scene),
+        lighting: looks::lighting(&request.look, scene, environment),
         shading: request.look.shading,
         shadows: request.look.shadows,
+        filter: request.look.filter,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

@@ -6,8 +6,10 @@ use displace_glsl::layout::raster::{
     MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS,
 };
 
+use super::AssetReader;
 use crate::domain::{
-    Error, Result,
+    Digest, Error, Result,
+    environment::Environment,
     image::{ColorMap, LightShape, Lighting, RenderLight, RenderMap, RenderMaterial},
     maps::{self, Encoding},
     report::Warning,
@@ -124,14 +126,19 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS]) ->
     }
 }
 
-/// The request's lights; without any, the file's; without any, a sun.
-pub(super) fn lighting(look: &Look, scene: &Scene) -> Lighting {
+pub(super) fn environment(look: &Look, assets: &dyn AssetReader) -> Result<Option<Arc<Environment>>> {
+    let decode = |digest: &Digest| Ok(Arc::new(Environment::decode(&assets.read(digest)?)?));
+    look.environment.as_ref().map(decode).transpose()
+}
+
+/// The request's lights; without any, the file's; without any and without an environment, a sun.
+pub(super) fn lighting(look: &Look, scene: &Scene, environment: Option<Arc<Environment>>) -> Lighting {
     let lights = match look.lights.as_slice() {
-        [] if scene.lights.is_empty() => Lighting::default().lights,
-        [] => scene.lights.iter().map(punctual).collect(),
+        [] if !scene.lights.is_empty() => scene.lights.iter().map(punctual).collect(),
+        [] if environment.is_none() => Lighting::default().lights,
         lights => lights.to_vec(),
     };
-    Lighting { lights, ambient: look.ambient, ..Lighting::default() }
+    Lighting { lights, environment, ambient: look.ambient, ..Lighting::default() }
 }
 
 fn punctual(light: &PunctualLight) -> RenderLight {

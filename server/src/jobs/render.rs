@@ -2,7 +2,7 @@
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, fits, images, inputs,
-    inputs::Inputs, plans, seams, strain, work::canonical,
+    inputs::Inputs, looks, plans, seams, strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -38,7 +38,7 @@ impl Work for RenderWork {
     }
 
     fn host_bytes(&self) -> u64 {
-        let inputs: u64 = self.request.surface.assets().iter().map(|asset| asset.size_bytes).sum();
+        let inputs: u64 = self.request.assets().iter().map(|asset| asset.size_bytes).sum();
         inputs + image_bytes(&self.request)
     }
 
@@ -93,7 +93,10 @@ impl RenderWork {
             Ok(())
         })?;
         context.cancel.check()?;
-        let decode = || images::render_scene(request, &mut inputs.scene, surfaces);
+        let decode = || {
+            let environment = looks::environment(&request.look, context.assets)?;
+            images::render_scene(request, &mut inputs.scene, surfaces, environment)
+        };
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
         let plan = ImagePlan { rays: request.rays(), ..plan };

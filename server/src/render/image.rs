@@ -1,6 +1,9 @@
 //! Images on a Vulkan device: a visibility buffer filled in compute, then shaded (`README.md` has the
 //! passes). The image is made in slabs, so that its size does not bound the memory of the samples.
 
+pub(crate) mod coverage;
+mod environment;
+pub(crate) mod light;
 pub(crate) mod shading;
 mod streams;
 pub(crate) mod tables;
@@ -39,7 +42,10 @@ pub fn render(
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
     let mut run = Run { device, job, times: Vec::new() };
     let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
-    run.record(|recorder| textures.record_mips(recorder, &streams.texels))?;
+    run.record(|recorder| {
+        textures.record_mips(recorder, &streams.texels)?;
+        streams.record_light(recorder)
+    })?;
     let work = WorkStreams::new(device, plan, scene, &tables)?;
     let frame = Frame { plan, scene, tables: &tables, streams: &streams, work: &work };
     let mut images = empty_images(plan, scene);

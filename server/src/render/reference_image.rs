@@ -1,6 +1,8 @@
 //! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
 //! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
+mod light;
+mod place;
 mod shading;
 
 use displace_glsl::{
@@ -35,7 +37,9 @@ use super::{
     },
 };
 
-use shading::{Hit, Place, Shader};
+use light::LightModel;
+use place::Place;
+use shading::{Hit, Shader};
 
 /// Pixel rows whose triangles are listed together.
 const BAND_ROWS: u32 = 16;
@@ -134,13 +138,14 @@ struct Oracle<'a> {
     tables: Tables,
     width: u32,
     shader: Shader,
+    light: LightModel,
 }
 
 impl<'a> Oracle<'a> {
     fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
         let tables = Tables::new(plan, scene)?;
-        let shader = Shader::new(scene, &tables)?;
-        Ok(Self { scene, tables, width: plan.width, shader })
+        let light = LightModel::new(plan, scene, &tables)?;
+        Ok(Self { scene, tables, width: plan.width, shader: Shader::new(scene), light })
     }
 
     fn rows(&self, part: &Part) -> &[[f32; 4]] {
@@ -229,8 +234,8 @@ impl<'a> Oracle<'a> {
     }
 
     fn pixel(&self, x: u32, y: u32, samples: &[Seen; 4]) -> Pixel {
-        let background = DVec3::from_array(self.scene.lighting.background.map(f64::from));
         let empty = samples.iter().filter(|s| s.id == NOTHING).count();
+        let background = if empty > 0 { self.light.backdrop(x, y) } else { DVec3::ZERO };
         let mut pixel = Pixel { color: background * (0.25 * empty as f64), hit: None, depth: f64::INFINITY };
         let mut most = empty.saturating_sub(1);
         for (first, sample) in samples.iter().enumerate() {
@@ -242,11 +247,11 @@ impl<'a> Oracle<'a> {
             let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
             let scale = 1.0 / (256.0 * covered.len() as f64);
             let hit = self.hit(sample.id, [f64::from(x) + centre(0) * scale, f64::from(y) + centre(1) * scale]);
-            pixel.color += self.shader.radiance(&self.tables, &hit, |id, weights| self.is_opaque_at(id, weights))
+            pixel.color += self.light.radiance(&self.tables.lights, &hit, |id, weights| self.is_opaque_at(id, weights))
                 * (0.25 * covered.len() as f64);
             if covered.len() > most {
                 most = covered.len();
-                pixel.depth = self.shader.depth(hit.position);
+                pixel.depth = self.light.depth(hit.position);
                 pixel.hit = Some((sample.id, hit));
             }
         }

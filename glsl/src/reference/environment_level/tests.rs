@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use super::*;
 use crate::{
-    layout::light::{LOBE_WIDTHS, lobe_samples},
+    layout::light::{LobeLevel, lobe_levels},
     reference::{
         brdf::{Reflectance, albedo, visibility},
         brdf_table::Table,
@@ -27,8 +27,7 @@ static MIPS: LazyLock<Vec<Level>> = LazyLock::new(|| {
 });
 
 fn level(k: usize) -> Level {
-    let width = LOBE_WIDTHS[k - 1] as usize;
-    environment_level(&MIPS, k as f64 / 12.0, [width, width / 2], lobe_samples(k - 1))
+    environment_level(&MIPS, lobe_levels(1024)[k - 1])
 }
 
 /// Integral over light of `term`, of a half vector and the light it mirrors, times D of the lobe around z: half vectors by
@@ -98,7 +97,8 @@ fn a_level_is_what_its_lobe_sees_head_on() {
 fn a_white_environment_stays_white_at_every_level() {
     let mips = Level { width: 8, height: 4, texels: vec![[1.0; 4]; 32], alpha_scale: 1.0 }.chain();
     for k in 1..=12 {
-        let level = environment_level(&mips, f64::from(k) / 12.0, [8, 4], 256);
+        let how = LobeLevel { roughness: k as f32 / 12.0, size: [8, 4], samples: 256 };
+        let level = environment_level(&mips, how);
         assert!(level.texels.iter().flatten().all(|x| (x - 1.0).abs() < 1e-12));
     }
 }

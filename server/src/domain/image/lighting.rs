@@ -1,16 +1,23 @@
 //! What shines, and how light becomes colour.
 
-use std::f32::consts::PI;
+use std::{f32::consts::PI, sync::Arc};
 
 use serde::{Deserialize, Serialize};
+
+use crate::domain::environment::Environment;
+
+/// Share of what a mirror would show of an environment that Phong's model adds: that of its highlight.
+pub const REFLECTIVITY: f32 = 0.2;
 
 /// What shines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     pub lights: Vec<RenderLight>,
+    /// Light from endlessly far away, by direction; seen behind everything, too.
+    pub environment: Option<Arc<Environment>>,
     /// Radiance of light from everywhere, of white.
     pub ambient: f32,
-    /// Linear RGB behind everything.
+    /// Linear RGB behind everything, where there is no environment.
     pub background: [f32; 3],
 }
 
@@ -18,7 +25,7 @@ impl Default for Lighting {
     /// A sun from above the right shoulder.
     fn default() -> Self {
         let s = 1.0 / 3f32.sqrt();
-        Self { lights: vec![RenderLight::sun([s, s, s])], ambient: 0.2, background: [0.05; 3] }
+        Self { lights: vec![RenderLight::sun([s, s, s])], environment: None, ambient: 0.2, background: [0.05; 3] }
     }
 }
 
@@ -75,4 +82,22 @@ pub enum Shading {
     /// Phong's model at each pixel.
     #[default]
     Phong,
+    /// The metallic-roughness model at each pixel (glTF 2.0, appendix B), with what facets pass on to each other.
+    Pbr,
+}
+
+/// How maps are read between and over their texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Filter {
+    /// The nearest texel of the finest level.
+    Nearest,
+    /// Between the texels of the finest level.
+    Bilinear,
+    /// Between two levels of the mip pyramid (Williams 1983).
+    #[default]
+    Trilinear,
+    /// By up to 16 trilinear values along the longer side of the pixel.
+    Anisotropic,
+    /// By an elliptical Gaussian (Heckbert 1989).
+    Ewa,
 }

@@ -36,6 +36,8 @@ pub struct ImageContents {
     /// Of each vertex.
     pub uv_channels: u32,
     pub has_tangents: bool,
+    /// Width and height of its map.
+    pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
     pub shadow_lights: u32,
     /// Kinds of maps that any material has.
@@ -70,7 +72,10 @@ impl ImageContents {
         // Corners, number, and two nodes.
         let per_occluder = if self.shadow_lights > 0 { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
-        self.vertices * per_vertex + self.triangles * per_triangle + occluders + self.texels * 16 * 4 / 3
+        // The map with its mips, and what lobes see.
+        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (5 << 20));
+        let maps = self.texels * 16 * 4 / 3 + environment;
+        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps
     }
 
     /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
@@ -79,7 +84,14 @@ impl ImageContents {
         let listed = self.instance_triangles.min(1 << 20);
         let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
         // Visibility, fragment, point, appearance, radiance, and a value of each kind of map.
-        let per_sample = 8 + 16 + 112 + 56 + 16 + 16 * u64::from(self.map_slots) + 4 * u64::from(self.shadow_lights);
+        let per_sample = 8
+            + 16
+            + 112
+            + 56
+            + 16
+            + 16 * u64::from(self.map_slots)
+            + 4 * u64::from(self.shadow_lights)
+            + if self.environment.is_some() { 24 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
         screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
     }

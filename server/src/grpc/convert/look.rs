@@ -2,21 +2,25 @@
 
 use displace_proto::v1;
 
-use super::{join, known, vector, within};
+use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
-    image::{LightShape, RenderLight, Shading},
+    image::{Filter, LightShape, RenderLight, Shading},
     request::{Look, Shadows},
 };
 
+/// Where no environment lights the scene.
 const DEFAULT_AMBIENT: f32 = 0.2;
 const MOST_LIGHTS: usize = 16;
 
 pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> {
-    let lighting = lighting.unwrap_or_default();
+    let mut lighting = lighting.unwrap_or_default();
+    let environment = lighting.environment.take();
+    let ambient = if environment.is_some() { 0.0 } else { DEFAULT_AMBIENT };
     Ok(Look {
         lights: lights(&join(path, "lights"), lighting.lights)?,
-        ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(DEFAULT_AMBIENT), 0.0, 1.0)?,
+        ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(ambient), 0.0, 1.0)?,
+        environment: environment.map(|asset| digest(&join(path, "environment"), Some(&asset))).transpose()?,
         shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
@@ -25,6 +29,14 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::Shading::Flat => Shading::Flat,
             v1::Shading::Gouraud => Shading::Gouraud,
             v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
+            v1::Shading::Pbr => Shading::Pbr,
+        },
+        filter: match known::<v1::Filter>(&join(path, "filter"), lighting.filter)? {
+            v1::Filter::Nearest => Filter::Nearest,
+            v1::Filter::Bilinear => Filter::Bilinear,
+            v1::Filter::Unspecified | v1::Filter::Trilinear => Filter::Trilinear,
+            v1::Filter::Anisotropic => Filter::Anisotropic,
+            v1::Filter::Ewa => Filter::Ewa,
         },
     })
 }

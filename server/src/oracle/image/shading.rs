@@ -87,7 +87,7 @@ pub(super) fn direct(shading: Shading, light: &RenderLight, seen: &Seen, eye: Ey
             let of = seen.vertices.map(|(position, normal)| reflection(light, position, normal, eye));
             (blend(seen.weights, of.map(|r| r.0)), blend(seen.weights, of.map(|r| r.1)))
         }
-        Shading::Phong => reflection(light, seen.position, seen.look.normal, eye),
+        Shading::Phong | Shading::Pbr => reflection(light, seen.position, seen.look.normal, eye),
     };
     diffuse * seen.look.base.truncate() + highlight
 }

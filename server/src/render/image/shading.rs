@@ -5,9 +5,8 @@ use displace_glsl::{
     SHADERS,
     layout::raster::{
         AppearanceParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL,
-        MAP_OCCLUSION, MAP_SLOTS, NORMALS_OF_PIXELS, NORMALS_OF_TRIANGLES, NORMALS_OF_VERTICES, OUTPUT_DEPTH,
-        OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadePhongParams, ShadowRaysParams,
-        SurfaceParams, TextureParams,
+        MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
+        ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -15,13 +14,13 @@ use glam::{DMat4, DVec3};
 use crate::{
     domain::{
         Result,
-        image::{ImageSet, RenderCamera, Shading},
+        image::{Filter, ImageSet, RenderCamera},
         request::Aov,
     },
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, streams::WorkStreams, visibility::fragment_count};
+use super::{Frame, Run, Slab, light, streams::WorkStreams, visibility::fragment_count};
 
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
     let Frame { work, .. } = frame;
@@ -44,8 +43,9 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
             (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
             record_appearance(recorder, frame, count)?;
             record_shadows(recorder, frame, count)?;
-            record_light(recorder, frame, count)?;
+            light::record(recorder, frame, count)?;
         }
+        light::record_backdrop(recorder, frame, slab)?;
         record_pixels(recorder, frame, slab)
     })
 }
@@ -82,7 +82,14 @@ pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: u
         ("texels", &streams.texels),
         ("mapped", &work.mapped[slot]),
     ];
-    Ok(recorder.dispatch(&SHADERS.texture_trilinear, count, &params, &bound)?)
+    let shader = match scene.filter {
+        Filter::Nearest => &SHADERS.texture_nearest,
+        Filter::Bilinear => &SHADERS.texture_bilinear,
+        Filter::Trilinear => &SHADERS.texture_trilinear,
+        Filter::Anisotropic => &SHADERS.texture_anisotropic,
+        Filter::Ewa => &SHADERS.texture_ewa,
+    };
+    Ok(recorder.dispatch(shader, count, &params, &bound)?)
 }
 
 fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
@@ -142,33 +149,6 @@ fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
     Ok(recorder.dispatch(&SHADERS.shadow_rays, rays, &params, &bound)?)
 }
 
-fn record_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
-    let Frame { scene, tables, streams, work, .. } = frame;
-    let params = ShadePhongParams {
-        count: count as u32,
-        normals: match scene.shading {
-            Shading::Flat => NORMALS_OF_TRIANGLES,
-            Shading::Gouraud => NORMALS_OF_VERTICES,
-            Shading::Phong => NORMALS_OF_PIXELS,
-        },
-        lights: tables.lights.len() as u32,
-        shadowed: u32::from(!work.shadows.is_empty()),
-        eye: eye_and_depth(&scene.camera).0,
-        ambient: scene.lighting.ambient,
-    };
-    let bound = [
-        ("points", &work.points),
-        ("appearances", &work.appearances),
-        ("lights", &streams.lights),
-        ("shadows", &work.shadows),
-        ("positions", &streams.positions),
-        ("normals", &streams.normals),
-        ("instance_rows", &streams.instance_rows),
-        ("radiance", &work.radiance),
-    ];
-    Ok(recorder.dispatch(&SHADERS.shade_phong, count, &params, &bound)?)
-}
-
 fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
     let params = ResolveParams {
@@ -176,6 +156,7 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         outputs: scene.aovs.iter().fold(0, |bits, &aov| bits | output_bit(aov)),
         view_depth: eye_and_depth(&scene.camera).1,
         background: scene.lighting.background,
+        has_backdrop: u32::from(!work.backdrop.is_empty()),
         uv_channels: scene.uv_channels,
     };
     let outputs = &work.outputs;
@@ -192,6 +173,7 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         ("position_out", &outputs.position),
         ("uv_out", &outputs.uv),
         ("triangle_out", &outputs.triangle),
+        ("backdrop", &work.backdrop),
     ];
     Ok(recorder.dispatch(&SHADERS.resolve, slab.pixels(), &params, &bound)?)
 }

@@ -3,21 +3,26 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use displace_glsl::layout::raster::{
-    Appearance, Fragment, LISTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX,
+use displace_glsl::layout::{
+    light::Surroundings,
+    raster::{Appearance, Fragment, LISTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX},
 };
 
 use crate::{
     domain::{
         Error, Result,
-        image::{ImagePlan, RenderMesh, RenderScene},
+        image::{ImagePlan, RenderMesh, RenderScene, Shading},
         request::{Aov, Shadows},
     },
     render::{lists::scan::Scan, occluders::Shade},
-    vulkan::{Device, Stream},
+    vulkan::{Device, Recorder, Stream},
 };
 
-use super::{tables::Tables, textures::Textures};
+use super::{
+    environment::{self, EnvironmentStreams},
+    tables::Tables,
+    textures::Textures,
+};
 
 /// Triangles that `setup` sorts at a time.
 pub(crate) const RANGE_TRIANGLES: u64 = 1 << 20;
@@ -47,6 +52,9 @@ pub(crate) struct SceneStreams {
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
     pub(crate) occluders: Option<OccluderStreams>,
+    pub(crate) environment: Option<EnvironmentStreams>,
+    /// What surfaces reflect; empty unless the shading needs it.
+    pub(crate) brdf_table: Stream,
 }
 
 /// What shadow rays meet.
@@ -79,7 +87,7 @@ impl SceneStreams {
         tables: &Tables,
         textures: &Textures,
     ) -> Result<Self> {
-        let meshes = &scene.meshes;
+        let (meshes, environment) = (&scene.meshes, &scene.lighting.environment);
         Ok(Self {
             positions: concatenated(device, "positions", meshes, |mesh| &mesh.positions)?,
             normals: concatenated(device, "normals", meshes, |mesh| &mesh.normals)?,
@@ -95,7 +103,17 @@ impl SceneStreams {
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,
             occluders: OccluderStreams::upload(device, scene, tables)?,
+            environment: environment.as_ref().map(|map| EnvironmentStreams::upload(device, map)).transpose()?,
+            brdf_table: environment::table(device, scene.shading == Shading::Pbr)?,
         })
+    }
+
+    /// Makes what light needs: levels of the environment, and the table of what surfaces reflect.
+    pub(crate) fn record_light(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        if !self.brdf_table.is_empty() {
+            environment::record_table(recorder, &self.brdf_table)?;
+        }
+        self.environment.as_ref().map_or(Ok(()), |environment| environment.record(recorder))
     }
 }
 
@@ -201,7 +219,11 @@ pub(crate) struct WorkStreams {
     pub(crate) appearances: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
     pub(crate) shadows: Stream,
+    /// What each fragment sees of an environment; empty without one.
+    pub(crate) surroundings: Stream,
     pub(crate) radiance: Stream,
+    /// The environment behind each pixel; empty without one.
+    pub(crate) backdrop: Stream,
     pub(crate) pixels: Stream,
     pub(crate) outputs: Outputs,
     /// Triangles, and pairs, whose samples are sure to fit `fragments`.
@@ -228,6 +250,7 @@ impl WorkStreams {
         let triangles = tables.batches.iter().map(|batch| batch.triangles.end - batch.triangles.start).max();
         let list_capacity = triangles.unwrap_or(0).min(RANGE_TRIANGLES);
         let records = list_capacity.min(LARGE_CHUNK) * u64::from(MAX_PIECES);
+        let has_environment = scene.lighting.environment.is_some();
         let new = |name: &str, bytes: usize, len: u64| Stream::new(device, name, bytes as u32, len);
         Ok(Self {
             screen: new("screen", 16, vertices)?,
@@ -250,7 +273,9 @@ impl WorkStreams {
                 4,
                 if scene.shadows == Shadows::Ray { samples * tables.lights.len() as u64 } else { 0 },
             )?,
+            surroundings: new("surroundings", size_of::<Surroundings>(), if has_environment { samples } else { 0 })?,
             radiance: new("radiance", 16, samples)?,
+            backdrop: new("backdrop", 12, if has_environment { pixels } else { 0 })?,
             pixels: new("pixels", 4, pixels)?,
             outputs: Outputs::new(device, pixels, &scene.aovs)?,
             masked_small_chunk: fragments / u64::from(SMALL_SAMPLES),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use displace_glsl::{
     SHADERS,
-    layout::raster::{MipParams, TextureUse},
+    layout::raster::{MAP_BASE_COLOR, MAP_SLOTS, MipParams, TextureUse},
 };
 
 use crate::{
@@ -15,6 +15,8 @@ use crate::{
     },
     vulkan::{Device, MAX_PAGES, PAGE_SHIFT, Recorder, Stream},
 };
+
+use super::coverage;
 
 pub(crate) struct Textures {
     /// First texel, width, height, and the bits of alpha's scale, of every level of every map.
@@ -30,14 +32,28 @@ impl Textures {
     /// Lays out the distinct maps of the scene and tells their uses where they are.
     pub(crate) fn new(scene: &RenderScene, uses: &mut [TextureUse]) -> Result<Self> {
         let mut this = Self { levels: Vec::new(), ranges: Vec::new(), maps: Vec::new(), pairs: 0 };
-        for (source, place) in scene.materials.iter().flat_map(|material| &material.maps).zip(uses) {
-            if let Some(source) = source {
-                let known = this.maps.iter().position(|other| Arc::ptr_eq(other, &source.map));
-                let index = known.map_or_else(|| this.add(&source.map), Ok)?;
-                (place.level_first, place.level_count) = this.ranges[index];
+        for (material, uses) in scene.materials.iter().zip(uses.chunks_mut(MAP_SLOTS)) {
+            for (source, place) in material.maps.iter().zip(uses.iter_mut()) {
+                if let Some(source) = source {
+                    let known = this.maps.iter().position(|other| Arc::ptr_eq(other, &source.map));
+                    let index = known.map_or_else(|| this.add(&source.map), Ok)?;
+                    (place.level_first, place.level_count) = this.ranges[index];
+                }
+            }
+            if let Some(scales) = coverage::alpha_scales(material) {
+                this.scale_alpha(&mut uses[MAP_BASE_COLOR], &scales);
             }
         }
         Ok(this)
+    }
+
+    /// Gives a use levels of its own, over the same texels.
+    fn scale_alpha(&mut self, place: &mut TextureUse, scales: &[f32]) {
+        let first = place.level_first as usize;
+        let levels = self.levels[first..first + place.level_count as usize].to_vec();
+        place.level_first = self.levels.len() as u32;
+        self.levels
+            .extend(levels.iter().zip(scales).map(|(&[at, width, height, _], s)| [at, width, height, s.to_bits()]));
     }
 
     fn add(&mut self, map: &Arc<ColorMap>) -> Result<usize> {

@@ -1,0 +1,144 @@
+//! An environment on the device: its map, the map's mips and what lobes see of it in one stream, its harmonics; and the
+//! table of what surfaces reflect.
+
+use std::sync::Arc;
+
+use displace_glsl::{
+    SHADERS,
+    layout::{
+        light::{
+            BrdfAveragesParams, BrdfTableParams, EnvironmentLevelParams, LobeLevel, TABLE_SAMPLES, TABLE_SIDE,
+            lobe_levels,
+        },
+        raster::MipParams,
+    },
+    reference::environment::harmonics,
+};
+
+use crate::{
+    domain::{Result, environment::Environment},
+    vulkan::{Device, Recorder, Stream},
+};
+
+/// Streams that `surroundings` reads.
+pub(crate) struct EnvironmentStreams {
+    /// First texel, width, height, 0 of each level: the map, its mips, then what lobes see.
+    pub(crate) levels: Stream,
+    /// Linear RGB, two texels to an element.
+    pub(crate) texels: Stream,
+    /// Nine factors of irradiance over pi.
+    pub(crate) harmonics: Stream,
+    /// The map and its mips.
+    pub(crate) mips: u32,
+    layout: Layout,
+}
+
+impl EnvironmentStreams {
+    /// The streams with the map in them; `record` makes the rest.
+    pub(crate) fn upload(device: &Arc<Device>, environment: &Environment) -> Result<Self> {
+        let layout = Layout::new(environment.width, environment.height);
+        let factors = harmonics(environment.width as usize, &environment.texels).map(|c| c.as_vec3().to_array());
+        Ok(Self {
+            levels: Stream::from_slice(device, "environment levels", &layout.levels)?,
+            texels: Stream::build(device, "environment texels", layout.pairs, |first, pairs: &mut [[[f32; 4]; 2]]| {
+                pairs.fill([[0.0; 4]; 2]);
+                let map = environment.texels.iter().skip(first as usize * 2);
+                pairs.as_flattened_mut().iter_mut().zip(map).for_each(|(to, [r, g, b])| *to = [*r, *g, *b, 1.0]);
+            })?,
+            harmonics: Stream::from_slice(device, "harmonics", &factors)?,
+            mips: layout.mips,
+            layout,
+        })
+    }
+
+    /// Levels that lobes see.
+    #[must_use]
+    pub(crate) fn lobes(&self) -> u32 {
+        self.layout.lobes.len() as u32
+    }
+
+    /// Makes the map's mips, then what lobes see.
+    pub(crate) fn record(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        let levels = &self.layout.levels;
+        for (source, target) in levels.iter().zip(&levels[1..self.mips as usize]) {
+            let count = pairs(target);
+            let params = MipParams {
+                count: count as u32,
+                source_first: source[0],
+                target_first: target[0],
+                source_size: [source[1], source[2]],
+                target_size: [target[1], target[2]],
+            };
+            recorder.dispatch(&SHADERS.mip, count, &params, &[("texels", &self.texels)])?;
+        }
+        let mut lobes = self.layout.lobes.iter().zip(&levels[self.mips as usize..]);
+        lobes.try_for_each(|(lobe, target)| self.record_lobe(recorder, lobe, target))
+    }
+
+    fn record_lobe(&self, recorder: &mut Recorder<'_>, lobe: &LobeLevel, target: &[u32; 4]) -> Result<()> {
+        let count = pairs(target);
+        let params = EnvironmentLevelParams {
+            count: count as u32,
+            target_first: target[0],
+            target_size: lobe.size,
+            mips: self.mips,
+            samples: lobe.samples,
+            roughness: lobe.roughness,
+        };
+        let bound = [("environment_levels", &self.levels), ("environment_texels", &self.texels)];
+        Ok(recorder.dispatch(&SHADERS.environment_level, count, &params, &bound)?)
+    }
+}
+
+/// Where the levels lie.
+struct Layout {
+    levels: Vec<[u32; 4]>,
+    mips: u32,
+    lobes: Vec<LobeLevel>,
+    /// Elements of the stream.
+    pairs: u64,
+}
+
+impl Layout {
+    fn new(width: u32, height: u32) -> Self {
+        let lobes = lobe_levels(width).to_vec();
+        let mut this = Self { levels: Vec::new(), mips: 0, lobes, pairs: 0 };
+        let mut size = [width, height];
+        this.add(size);
+        while size != [1, 1] {
+            size = size.map(|side| (side / 2).max(1));
+            this.add(size);
+        }
+        this.mips = this.levels.len() as u32;
+        for lobe in this.lobes.clone() {
+            this.add(lobe.size);
+        }
+        this
+    }
+
+    fn add(&mut self, [width, height]: [u32; 2]) {
+        let level = [(self.pairs * 2) as u32, width, height, 0];
+        self.pairs += pairs(&level);
+        self.levels.push(level);
+    }
+}
+
+fn pairs([_, width, height, _]: &[u32; 4]) -> u64 {
+    (u64::from(*width) * u64::from(*height)).div_ceil(2)
+}
+
+/// The stream that `shade_pbr` reads as `brdf_table`, empty unless it is needed; `record_table` fills it.
+pub(crate) fn table(device: &Arc<Device>, is_needed: bool) -> Result<Stream> {
+    let side = u64::from(TABLE_SIDE);
+    Ok(Stream::new(device, "brdf table", 12, if is_needed { side * side + side } else { 0 })?)
+}
+
+/// Fills the table of what surfaces reflect, and its averages.
+pub(crate) fn record_table(recorder: &mut Recorder<'_>, table: &Stream) -> Result<()> {
+    let cells = TABLE_SIDE * TABLE_SIDE;
+    let params = BrdfTableParams { count: cells, side: TABLE_SIDE, samples: TABLE_SAMPLES };
+    let bound = [("brdf_table", table)];
+    recorder.dispatch(&SHADERS.brdf_table, u64::from(cells), &params, &bound)?;
+    let params = BrdfAveragesParams { count: TABLE_SIDE };
+    Ok(recorder.dispatch(&SHADERS.brdf_averages, u64::from(TABLE_SIDE), &params, &bound)?)
+}

@@ -1,0 +1,152 @@
+//! Light of fragments by the model that the scene asks for, and what is behind them.
+
+use displace_glsl::{
+    SHADERS,
+    layout::{
+        light::{BackdropParams, ShadePbrParams, SurroundingsParams},
+        raster::{NORMALS_OF_PIXELS, NORMALS_OF_TRIANGLES, NORMALS_OF_VERTICES, ShadePhongParams},
+    },
+    reference::backdrop::Directions,
+};
+use glam::{DMat4, DVec3, DVec4};
+
+use crate::{
+    domain::{
+        Result,
+        image::{ImagePlan, REFLECTIVITY, RenderCamera, Shading},
+    },
+    vulkan::Recorder,
+};
+
+use super::{Frame, Slab, shading::eye_and_depth};
+
+/// Radiance of the first `count` fragments.
+pub(crate) fn record(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    record_surroundings(recorder, frame, count)?;
+    match frame.scene.shading {
+        Shading::Flat => record_phong(recorder, frame, NORMALS_OF_TRIANGLES, count),
+        Shading::Gouraud => record_phong(recorder, frame, NORMALS_OF_VERTICES, count),
+        Shading::Phong => record_phong(recorder, frame, NORMALS_OF_PIXELS, count),
+        Shading::Pbr => record_pbr(recorder, frame, count),
+    }
+}
+
+fn record_phong(recorder: &mut Recorder<'_>, frame: &Frame<'_>, normals: u32, count: u64) -> Result<()> {
+    let Frame { scene, tables, streams, work, .. } = frame;
+    let params = ShadePhongParams {
+        count: count as u32,
+        normals,
+        lights: tables.lights.len() as u32,
+        shadowed: u32::from(!work.shadows.is_empty()),
+        eye: eye_and_depth(&scene.camera).0,
+        ambient: scene.lighting.ambient,
+        reflectivity: REFLECTIVITY,
+        has_environment: u32::from(streams.environment.is_some()),
+    };
+    let bound = [
+        ("points", &work.points),
+        ("appearances", &work.appearances),
+        ("lights", &streams.lights),
+        ("shadows", &work.shadows),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("instance_rows", &streams.instance_rows),
+        ("surroundings", &work.surroundings),
+        ("radiance", &work.radiance),
+    ];
+    Ok(recorder.dispatch(&SHADERS.shade_phong, count, &params, &bound)?)
+}
+
+fn record_pbr(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, tables, streams, work, .. } = frame;
+    let params = ShadePbrParams {
+        count: count as u32,
+        lights: tables.lights.len() as u32,
+        shadowed: u32::from(!work.shadows.is_empty()),
+        multiple_scattering: 1,
+        eye: eye_and_depth(&scene.camera).0,
+        ambient: scene.lighting.ambient,
+        has_environment: u32::from(streams.environment.is_some()),
+    };
+    let bound = [
+        ("points", &work.points),
+        ("appearances", &work.appearances),
+        ("lights", &streams.lights),
+        ("shadows", &work.shadows),
+        ("surroundings", &work.surroundings),
+        ("brdf_table", &streams.brdf_table),
+        ("radiance", &work.radiance),
+    ];
+    Ok(recorder.dispatch(&SHADERS.shade_pbr, count, &params, &bound)?)
+}
+
+/// What fragments see of the environment, if there is one. Phong's model mirrors whatever the roughness.
+fn record_surroundings(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let Some(environment) = &streams.environment else { return Ok(()) };
+    let params = SurroundingsParams {
+        count: count as u32,
+        normals: match scene.shading {
+            Shading::Flat => NORMALS_OF_TRIANGLES,
+            Shading::Gouraud => NORMALS_OF_VERTICES,
+            Shading::Phong | Shading::Pbr => NORMALS_OF_PIXELS,
+        },
+        mips: environment.mips,
+        lobes: if scene.shading == Shading::Pbr { environment.lobes() } else { 0 },
+        eye: eye_and_depth(&scene.camera).0,
+    };
+    let bound = [
+        ("points", &work.points),
+        ("appearances", &work.appearances),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("instance_rows", &streams.instance_rows),
+        ("environment_levels", &environment.levels),
+        ("environment_texels", &environment.texels),
+        ("harmonics", &environment.harmonics),
+        ("surroundings", &work.surroundings),
+    ];
+    Ok(recorder.dispatch(&SHADERS.surroundings, count, &params, &bound)?)
+}
+
+/// The environment behind the pixels of a slab, if there is one.
+pub(crate) fn record_backdrop(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    let Some(environment) = &frame.streams.environment else { return Ok(()) };
+    let (slab_px, slab_size_px) = slab.px();
+    let directions = directions(&frame.scene.camera, frame.plan);
+    let params = BackdropParams {
+        count: slab.pixels() as u32,
+        slab_px,
+        slab_size_px,
+        mips: environment.mips,
+        direction: directions.corner.as_vec3().to_array(),
+        direction_dx: directions.dx.as_vec3().to_array(),
+        direction_dy: directions.dy.as_vec3().to_array(),
+    };
+    let bound = [
+        ("environment_levels", &environment.levels),
+        ("environment_texels", &environment.texels),
+        ("backdrop", &frame.work.backdrop),
+    ];
+    Ok(recorder.dispatch(&SHADERS.backdrop, slab.pixels(), &params, &bound)?)
+}
+
+/// Where places of the image look, the middle of the image with length 1.
+pub(crate) fn directions(camera: &RenderCamera, plan: &ImagePlan) -> Directions {
+    let wide = |m: [f32; 16]| DMat4::from_cols_array(&m.map(f64::from));
+    let (view_from_world, clip_from_view) = (wide(camera.view_from_world), wide(camera.clip_from_view));
+    let world_from_view = view_from_world.inverse();
+    let is_orthographic = camera.clip_from_view[11] == 0.0;
+    // At clip depth 0, the far end of reversed depth, which is a direction where it is endlessly far.
+    let view_from_clip = clip_from_view.inverse();
+    let at = |x: f64, y: f64| {
+        let far = view_from_clip * DVec4::new(x, y, 0.0, 1.0);
+        // Over the distance along the axis: linear in x and y.
+        let along = if is_orthographic { DVec3::NEG_Z } else { far.truncate() / -far.z };
+        world_from_view.transform_vector3(along)
+    };
+    let corner = at(-1.0, 1.0);
+    let dx = (at(1.0, 1.0) - corner) / f64::from(plan.width);
+    let dy = (at(-1.0, -1.0) - corner) / f64::from(plan.height);
+    Directions { corner, dx, dy }
+}

@@ -1,0 +1,155 @@
+//! Light of a place by the model that the scene asks for: the twins put together.
+
+use displace_glsl::{
+    layout::raster::{LIGHT_SUN, Light, MATERIAL_UNLIT},
+    reference::{
+        backdrop::{Directions, backdrop},
+        brdf::visible_normal,
+        brdf_table::Table,
+        environment::{Environment, harmonics},
+        lights::incoming,
+        mip::Level,
+        shade_pbr,
+        shade_phong::{Reflected, from_surroundings, reflected},
+        shadow_rays::Ray,
+        surroundings::{Change, Surroundings, mirrored_footprint, seen},
+    },
+};
+use glam::{DVec3, DVec4};
+
+use super::{
+    place::{blend, vec3},
+    shading::Hit,
+};
+use crate::{
+    domain::{
+        self, Result,
+        image::{ImagePlan, REFLECTIVITY, RenderScene, Shading},
+        request::Shadows,
+    },
+    render::{
+        image::{light::directions, shading::eye_and_depth, tables::Tables},
+        occluders::Shade,
+    },
+};
+
+pub(super) struct LightModel {
+    shade: Option<Shade>,
+    environment: Option<Environment>,
+    /// What surfaces reflect, where the shading needs it.
+    table: Option<Table>,
+    shading: Shading,
+    ambient: f64,
+    background: DVec3,
+    directions: Directions,
+    eye: DVec4,
+    view_depth: DVec4,
+}
+
+impl LightModel {
+    pub(super) fn new(plan: &ImagePlan, scene: &RenderScene, tables: &Tables) -> Result<Self> {
+        let (eye, view_depth) = eye_and_depth(&scene.camera);
+        let [eye, view_depth] = [eye, view_depth].map(|v| DVec4::from_array(v.map(f64::from)));
+        let is_shaded = scene.shadows == Shadows::Ray && !tables.lights.is_empty();
+        let shading = scene.shading;
+        Ok(Self {
+            shade: if is_shaded { Some(Shade::new(scene, tables)?) } else { None },
+            environment: scene.lighting.environment.as_ref().map(|map| environment(map, shading)),
+            table: (shading == Shading::Pbr).then(Table::new),
+            shading,
+            ambient: f64::from(scene.lighting.ambient),
+            background: vec3(scene.lighting.background),
+            directions: directions(&scene.camera, plan),
+            eye,
+            view_depth,
+        })
+    }
+
+    pub(super) fn depth(&self, position: DVec3) -> f64 {
+        self.view_depth.dot(position.extend(1.0))
+    }
+
+    /// What is behind pixel (x, y).
+    pub(super) fn backdrop(&self, x: u32, y: u32) -> DVec3 {
+        self.environment.as_ref().map_or(self.background, |environment| backdrop(environment, &self.directions, x, y))
+    }
+
+    /// `is_opaque` gets a triangle's number over all instances, and weights of its corners.
+    pub(super) fn radiance(&self, lights: &[Light], hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> DVec3 {
+        if hit.look.flags & MATERIAL_UNLIT != 0 {
+            return hit.look.base.truncate();
+        }
+        let share = |light| if self.is_shadowed(light, hit, &is_opaque) { 0.0 } else { 1.0 };
+        let shares: Vec<f64> = lights.iter().map(share).collect();
+        let sky = self.environment.as_ref().map(|environment| self.sky(environment, hit));
+        match &self.table {
+            Some(table) => {
+                let place = shade_pbr::Place { position: hit.position, normal: hit.normal, eye: self.eye };
+                let (shares, ambient) = (shares.as_slice(), self.ambient);
+                let lighting = shade_pbr::Lighting { table, lights, shares, ambient, multiple_scattering: true };
+                shade_pbr::radiance(&hit.look, &place, &lighting, &sky.unwrap_or_default()).truncate()
+            }
+            None => self.by_phong(lights, &shares, hit, sky.as_ref()),
+        }
+    }
+
+    fn by_phong(&self, lights: &[Light], shares: &[f64], hit: &Hit, sky: Option<&Surroundings>) -> DVec3 {
+        let (look, base) = (&hit.look, hit.look.base.truncate());
+        let of_light = |(light, share): (&Light, &f64)| self.reflected(light, hit).of(base) * *share;
+        let direct: DVec3 = lights.iter().zip(shares).map(of_light).sum();
+        let around = |sky: &Surroundings| from_surroundings(sky, base, look.occlusion, REFLECTIVITY.into());
+        base * (self.ambient * look.occlusion) + look.emissive + direct + sky.map_or(DVec3::ZERO, around)
+    }
+
+    fn reflected(&self, light: &Light, hit: &Hit) -> Reflected {
+        match self.shading {
+            Shading::Flat => {
+                let centre = blend(DVec3::splat(1.0 / 3.0), hit.corners.map(|corner| corner.0));
+                reflected(light, centre, hit.facing, self.eye)
+            }
+            Shading::Gouraud => {
+                let corners = hit.corners.map(|(position, normal)| reflected(light, position, normal, self.eye));
+                Reflected::blended(corners, hit.weights)
+            }
+            Shading::Phong | Shading::Pbr => reflected(light, hit.position, hit.look.normal, self.eye),
+        }
+    }
+
+    fn sky(&self, environment: &Environment, hit: &Hit) -> Surroundings {
+        let is_flat = self.shading == Shading::Flat;
+        let normal = if is_flat { hit.facing } else { hit.look.normal };
+        let still = if is_flat { [DVec3::ZERO; 2] } else { hit.change.normal };
+        let change = Change { normal: still, ..hit.change };
+        let v = (self.eye.truncate() - self.eye.w * hit.position).normalize();
+        let footprint = mirrored_footprint(&change, visible_normal(normal, v), hit.position, self.eye);
+        let at = |position, normal| seen(environment, position, normal, self.eye, hit.look.roughness, footprint);
+        match self.shading {
+            Shading::Gouraud => {
+                Surroundings::blended(hit.corners.map(|(position, normal)| at(position, normal)), hit.weights)
+            }
+            _ => at(hit.position, normal),
+        }
+    }
+
+    fn is_shadowed(&self, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> bool {
+        let Some(shade) = &self.shade else { return false };
+        let direction = incoming(light, hit.position).direction;
+        if hit.look.normal.dot(direction) <= 0.0 && hit.look.normal != DVec3::ZERO {
+            return true;
+        }
+        let end = if light.kind == LIGHT_SUN { f64::INFINITY } else { vec3(light.position).distance(hit.position) };
+        let origin = hit.position + hit.facing * f64::from(shade.offset_world);
+        shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
+    }
+}
+
+/// Phong's model mirrors whatever the roughness.
+fn environment(map: &domain::environment::Environment, shading: Shading) -> Environment {
+    let (width, texels) = (map.width as usize, map.texels.as_slice());
+    if shading == Shading::Pbr {
+        return Environment::new(width, texels);
+    }
+    let wide = texels.iter().map(|t| vec3(*t).extend(1.0).to_array()).collect();
+    let finest = Level { width, height: map.height as usize, texels: wide, alpha_scale: 1.0 };
+    Environment { mips: finest.chain(), glossy: Vec::new(), harmonics: harmonics(width, texels) }
+}
