@@ -2,6 +2,7 @@
 //! what must hold whatever the scene.
 
 mod filters;
+mod light;
 mod passes;
 pub(crate) mod scenes;
 

@@ -14,7 +14,7 @@ use rand::{RngExt as _, SeedableRng, rngs::StdRng};
 
 use super::device;
 
-fn run(record: impl FnOnce(&mut Recorder<'_>)) {
+pub(super) fn run(record: impl FnOnce(&mut Recorder<'_>)) {
     let cancel = Cancel::default();
     let mut recorder = device().recorder(&cancel, &NoProgress);
     record(&mut recorder);
