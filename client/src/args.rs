@@ -216,7 +216,8 @@ pub(crate) struct RenderArgs {
     /// How the detail is realised [default: vector with vector maps, displacement with others, flat with none]
     #[arg(long, value_enum, help_heading = "Method")]
     pub(crate) method: Option<MethodArg>,
-    /// Rays a pixel, 1 to 1024, traced in f64; needs --device reference [default: 4 samples of visibility, by any device]
+    /// Samples a pixel: 4, 16, 64, 256 or 1024; with --device reference 1 to 1024 rays, traced in f64 [default: 4,
+    /// rasterised]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Look")]
     pub(crate) supersample: Option<u32>,
     #[command(flatten)]

@@ -14,6 +14,7 @@ pub mod compact;
 pub mod displace;
 pub mod displace_expression;
 pub mod displace_vector;
+pub mod downsample;
 pub mod environment;
 pub mod environment_level;
 pub mod expand;

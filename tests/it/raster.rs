@@ -3,6 +3,7 @@
 
 mod filters;
 mod light;
+mod looks;
 mod passes;
 pub(crate) mod scenes;
 

@@ -195,6 +195,12 @@ mirrors! {
         pub uv_channels: u32,
     }
 
+    pub struct DownsampleParams {
+        pub count: u32,
+        pub width: u32,
+        pub side: u32,
+    }
+
     pub struct MipParams {
         pub count: u32,
         pub source_first: u32,

@@ -46,7 +46,7 @@ impl Work for RenderWork {
         let request = &self.request;
         refuse_rays(request, context.executor)?;
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
-        planned(&inputs, context.limits, request)?;
+        with_samples(planned(&inputs, context.limits, request)?, request, context)?;
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..Report::default() };
         inputs.count(&mut report);
@@ -98,11 +98,10 @@ impl RenderWork {
             images::render_scene(request, &mut inputs.scene, surfaces, environment)
         };
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
-        let plan = ImagePlan::new(request.width, request.height, &scene.contents())?;
-        let plan = ImagePlan { rays: request.rays(), ..plan };
+        let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
         let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
-        let samples = plan.rays.map_or(plan.samples, |rays| rays.samples);
+        let samples = plan.rays.map_or(plan.samples * plan.supersample.pow(2), |rays| rays.samples);
         let settings = self.settings(samples, scene.lighting.clone(), 0.0, context.executor);
         Ok(Taken { images, settings, passes })
     }
@@ -157,19 +156,23 @@ fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Resu
     Ok(plan)
 }
 
-/// Before any work: not every device traces.
+/// A device that traces takes samples as rays; others make a finer image and average it.
+fn with_samples(plan: ImagePlan, request: &RenderRequest, context: &WorkContext<'_>) -> Result<ImagePlan> {
+    match (request.rays(), request.samples) {
+        (Some(rays), _) if context.executor.traces_rays() => Ok(ImagePlan { rays: Some(rays), ..plan }),
+        (_, Some(samples)) => plan.with_samples(samples),
+        _ => Ok(plan),
+    }
+}
+
+/// Before any work: the surface itself is seen by rays, and not every device traces.
 fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
-    if request.rays().is_none() || executor.traces_rays() {
+    if !request.surface.geometry.is_exact() || executor.traces_rays() {
         return Ok(());
     }
-    let (field, what) = if request.surface.geometry.is_exact() {
-        ("surface.geometry.exact", "the surface itself".to_owned())
-    } else {
-        ("samples", format!("{} rays a pixel", request.samples.unwrap_or_default()))
-    };
     let device = executor.device_name();
-    let message = format!("{what} are more than {device} does; use --device reference, or leave them out");
-    Err(Error::unsupported(field, message))
+    let message = format!("the surface itself is more than {device} does; use --device reference, or leave it out");
+    Err(Error::unsupported("surface.geometry.exact", message))
 }
 
 fn image_bytes(request: &RenderRequest) -> u64 {

@@ -38,7 +38,8 @@ pub fn render(
     scene: &RenderScene,
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
-    let mut tables = Tables::new(plan, scene)?;
+    let (side, fine) = (plan.supersample, plan.fine());
+    let mut tables = Tables::new(&fine, scene)?;
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
     let mut run = Run { device, job, times: Vec::new() };
     let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
@@ -46,14 +47,14 @@ pub fn render(
         textures.record_mips(recorder, &streams.texels)?;
         streams.record_light(recorder)
     })?;
-    let work = WorkStreams::new(device, plan, scene, &tables)?;
-    let frame = Frame { plan, scene, tables: &tables, streams: &streams, work: &work };
+    let work = WorkStreams::new(device, &fine, side, scene, &tables)?;
+    let frame = Frame { plan: &fine, side, scene, tables: &tables, streams: &streams, work: &work };
     let mut images = empty_images(plan, scene);
-    let slabs = slabs(plan);
+    let slabs = slabs(&fine);
     for (done, slab) in slabs.iter().enumerate() {
         visibility::fill(&mut run, &frame, *slab, done == 0)?;
         shading::shade(&mut run, &frame, *slab)?;
-        shading::copy_out(&work, *slab, &mut images)?;
+        shading::copy_out(&work, *slab, side, &mut images)?;
         job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
     }
     Ok((images, run.times))
@@ -61,7 +62,10 @@ pub fn render(
 
 /// What the steps of a render share.
 pub(crate) struct Frame<'a> {
+    /// Of the image that is averaged.
     plan: &'a ImagePlan,
+    /// Its pixels along a side of one of the image's.
+    side: u32,
     scene: &'a RenderScene,
     tables: &'a Tables,
     streams: &'a SceneStreams,
@@ -78,6 +82,11 @@ pub(crate) struct Slab {
 impl Slab {
     pub(crate) fn pixels(&self) -> u64 {
         u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// In pixels that are `side` times as wide and high.
+    pub(crate) fn coarser(&self, side: u32) -> Self {
+        Self { origin: self.origin.map(|x| x / side), size: self.size.map(|x| x / side) }
     }
 
     /// As push constants have it: origin and size.
@@ -102,6 +111,9 @@ fn check_plan(plan: &ImagePlan) -> Result<()> {
     let sides = 1..=ImagePlan::MAX_SIDE;
     let slab_sides = 16..=ImagePlan::MAX_SLAB;
     let known = plan.samples == SAMPLES
+        && plan.supersample.is_power_of_two()
+        && plan.supersample <= 16
+        && plan.width.max(plan.height) <= ImagePlan::MAX_SIDE / plan.supersample
         && plan.rays.is_none()
         && slab_sides.contains(&plan.slab_px)
         && plan.slab_px.is_multiple_of(16);

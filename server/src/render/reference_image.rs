@@ -9,6 +9,7 @@ use displace_glsl::{
     layout::raster::{INSTANCE_ROWS, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
     reference::{
         clip::clip,
+        downsample::downsample,
         raster::{SAMPLES, ScreenTriangle},
         transform::{Snapped, homogeneous, needs_clip, snapped},
     },
@@ -63,21 +64,30 @@ fn traced(job: &JobContext<'_>, plan: &ImagePlan, rays: Rays, scene: &RenderScen
 }
 
 fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<ImageSet> {
-    let oracle = Oracle::new(plan, scene)?;
+    let (side, fine) = (plan.supersample, plan.fine());
+    let oracle = Oracle::new(&fine, scene)?;
     let triangles = oracle.screen_triangles();
     job.cancel.check()?;
-    let bands = bands(&triangles, plan.height);
+    let bands = bands(&triangles, fine.height);
+    let fine_row = |y: u32| oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]);
     let rows: Vec<Vec<Pixel>> = (0..plan.height)
         .into_par_iter()
         .map(|y| {
             job.cancel.check()?;
-            Ok(oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]))
+            Ok(averaged((y * side..(y + 1) * side).map(fine_row).collect(), side as usize))
         })
         .collect::<Result<_>>()?;
     let mut images = empty_images(plan, scene);
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     job.progress.pass("image", 1, 1);
     Ok(images)
+}
+
+/// A row from the `side` rows of a finer image: mean colours, and what is seen right below the middle of each square.
+fn averaged(mut rows: Vec<Vec<Pixel>>, side: usize) -> Vec<Pixel> {
+    let colors: Vec<Vec<DVec3>> = rows.iter().map(|row| row.iter().map(|pixel| pixel.color).collect()).collect();
+    let middle = rows.swap_remove(side / 2).into_iter().skip(side / 2).step_by(side);
+    middle.zip(downsample(&colors, side)).map(|(pixel, color)| Pixel { color, ..pixel }).collect()
 }
 
 /// A triangle, or a piece of one, on the screen.

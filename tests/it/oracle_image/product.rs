@@ -53,9 +53,10 @@ fn samples_and_shadows_make_images_of_their_own() {
     let (four, _) = image("four.png", &["--supersample", "4"]);
     let (more, _) = image("more.png", &["--supersample", "64"]);
     let (shadows, _) = image("shadows.png", &["--shadows", "ray"]);
-    assert!(own != four && four != more && more != shadows);
+    let (traced, _) = image("traced.png", &["--shadows", "ray", "--supersample", "64"]);
+    assert!(own != four && four != more && own != shadows && more != traced && shadows != traced);
     // What is left open is filled in: the same request.
-    assert_eq!(image("again.png", &["--shadows", "ray", "--supersample", "64"]), (shadows, true));
+    assert_eq!(image("again.png", &["--shadows", "ray", "--shading", "phong"]), (shadows, true));
 }
 
 #[test]
@@ -65,13 +66,27 @@ fn a_device_that_does_not_trace_says_what_does() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.png");
-    for (flags, field) in [(["--supersample", "16"], "samples"), (["--shadows", "ray"], "lighting.shadows")] {
-        let run = render(server::validated(), &path, &flags);
+    let cases: [(&[&str], &str); 2] = [
+        (&["--supersample", "5"], "4, 16, 64, 256 and 1024"),
+        (&["--expr", "0.1*u", "--exact"], "surface.geometry.exact"),
+    ];
+    for (flags, field) in cases {
+        let run = render(server::validated(), &path, flags);
         assert_ne!(run.code, Some(0), "{run:?}");
         let said = format!("{}{}", run.stdout, run.stderr);
         assert!(said.contains("--device reference") && said.contains(field), "{said}");
         assert!(!path.exists());
     }
+}
+
+#[test]
+fn a_device_takes_samples_and_shadows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.exr");
+    render(server::validated(), &path, &["--supersample", "16", "--shadows", "ray"]).expect_success();
+    let found = attributes(&path);
+    assert_eq!(found.get("displace.samples"), Some(&AttributeValue::I32(16)));
+    assert_eq!(found.get("displace.shadows"), Some(&AttributeValue::Text(Text::from("ray"))));
 }
 
 #[test]

@@ -16,7 +16,7 @@ use super::ALL_AOVS;
 
 /// Background that no lit surface has.
 pub(crate) const LEAK: f32 = 4.0;
-const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+pub(crate) const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// World x and y are pixels, y down; z is the reversed depth itself.
 pub(crate) fn pixel_camera(width: u32, height: u32) -> RenderCamera {

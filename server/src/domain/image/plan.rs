@@ -14,6 +14,8 @@ pub struct ImagePlan {
     pub height: u32,
     /// Visibility samples per pixel: 4.
     pub samples: u32,
+    /// The image is made so many times as wide and high, a power of two up to 16, and averaged.
+    pub supersample: u32,
     /// Traces the image instead: the image oracle's work, on the reference alone.
     pub rays: Option<Rays>,
     /// The image is made in slabs of at most so many pixels a side; a multiple of 16.
@@ -48,6 +50,8 @@ pub struct ImageContents {
 impl ImagePlan {
     pub const MAX_SIDE: u32 = 16384;
     pub const MAX_SLAB: u32 = 512;
+    /// What `with_samples` takes: 4 of each pixel of an image up to 16 times as wide and high.
+    pub const SAMPLES: [u32; 5] = [4, 16, 64, 256, 1024];
 
     /// Plans an image. Fails when a side is out of range.
     pub fn new(width: u32, height: u32, contents: &ImageContents) -> Result<Self> {
@@ -58,9 +62,38 @@ impl ImagePlan {
             }
         }
         let slab_px = Self::MAX_SLAB;
-        let slab_pixels = u64::from(width.min(slab_px)) * u64::from(height.min(slab_px));
+        // As if the image were large: samples may make it so.
+        let slab_pixels = u64::from((16 * width).min(slab_px)) * u64::from((16 * height).min(slab_px));
         let device_bytes = contents.scene_bytes() + contents.work_bytes(slab_pixels);
-        Ok(Self { width, height, samples: 4, rays: None, slab_px, device_bytes })
+        Ok(Self { width, height, samples: 4, supersample: 1, rays: None, slab_px, device_bytes })
+    }
+
+    /// With so many samples of visibility a pixel. Fails with numbers that it does not take, and where the finer image
+    /// would be too large.
+    pub fn with_samples(self, samples: u32) -> Result<Self> {
+        if !Self::SAMPLES.contains(&samples) {
+            let message = format!(
+                "{samples} samples a pixel are out of range; 4, 16, 64, 256 and 1024 are allowed, and any number up to 1024 with --device reference"
+            );
+            return Err(Error::invalid("samples", message));
+        }
+        let side = (samples / self.samples).isqrt();
+        let longest = self.width.max(self.height);
+        if longest * side > Self::MAX_SIDE {
+            let message = format!(
+                "{samples} samples a pixel are for images of up to {} pixels a side, and this has {longest}: take fewer, or a smaller image",
+                Self::MAX_SIDE / side
+            );
+            return Err(Error::too_large("samples", message));
+        }
+        Ok(Self { supersample: side, ..self })
+    }
+
+    /// Of the image that is averaged.
+    #[must_use]
+    pub fn fine(&self) -> Self {
+        let side = self.supersample;
+        Self { width: self.width * side, height: self.height * side, supersample: 1, ..self.clone() }
     }
 }
 

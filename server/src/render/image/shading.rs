@@ -4,8 +4,8 @@ use bytemuck::Pod;
 use displace_glsl::{
     SHADERS,
     layout::raster::{
-        AppearanceParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL,
-        MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
+        AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
+        MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
         ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
     },
 };
@@ -46,7 +46,8 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
             light::record(recorder, frame, count)?;
         }
         light::record_backdrop(recorder, frame, slab)?;
-        record_pixels(recorder, frame, slab)
+        record_pixels(recorder, frame, slab)?;
+        record_means(recorder, frame, slab)
     })
 }
 
@@ -198,28 +199,44 @@ pub(crate) fn eye_and_depth(camera: &RenderCamera) -> ([f32; 4], [f32; 4]) {
     (eye.as_vec4().to_array(), (-backward).as_vec4().to_array())
 }
 
-/// Copies the slab's images into the whole ones.
-pub(crate) fn copy_out(work: &WorkStreams, slab: Slab, images: &mut ImageSet) -> Result<()> {
+/// Means over squares of the slab, where the image is averaged.
+fn record_means(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    let Frame { side, work, .. } = *frame;
+    if side == 1 {
+        return Ok(());
+    }
+    let slab = slab.coarser(side);
+    let params = DownsampleParams { count: slab.pixels() as u32, width: slab.size[0], side };
+    let bound = [("fine", &work.outputs.color), ("color_out", &work.outputs.means)];
+    Ok(recorder.dispatch(&SHADERS.downsample, slab.pixels(), &params, &bound)?)
+}
+
+/// Copies the slab's images into the whole ones, which are `side` times smaller.
+pub(crate) fn copy_out(work: &WorkStreams, slab: Slab, side: u32, images: &mut ImageSet) -> Result<()> {
     let width = images.width as usize;
     let outputs = &work.outputs;
-    copy_rows(&outputs.color, slab, width, &mut images.color)?;
-    copy_some(&outputs.depth, slab, width, &mut images.depth)?;
-    copy_some(&outputs.normal, slab, width, &mut images.normal)?;
-    copy_some(&outputs.position, slab, width, &mut images.position)?;
-    copy_some(&outputs.uv, slab, width, &mut images.uv)?;
-    copy_some(&outputs.triangle, slab, width, &mut images.triangle)
+    let color = if side > 1 { &outputs.means } else { &outputs.color };
+    copy_rows(color, slab.coarser(side), 1, width, &mut images.color)?;
+    copy_some(&outputs.depth, slab, side, width, &mut images.depth)?;
+    copy_some(&outputs.normal, slab, side, width, &mut images.normal)?;
+    copy_some(&outputs.position, slab, side, width, &mut images.position)?;
+    copy_some(&outputs.uv, slab, side, width, &mut images.uv)?;
+    copy_some(&outputs.triangle, slab, side, width, &mut images.triangle)
 }
 
-fn copy_some<T: Pod>(stream: &Stream, slab: Slab, width: usize, image: &mut Option<Vec<T>>) -> Result<()> {
-    image.as_mut().map_or(Ok(()), |image| copy_rows(stream, slab, width, image))
+fn copy_some<T: Pod>(stream: &Stream, slab: Slab, side: u32, width: usize, image: &mut Option<Vec<T>>) -> Result<()> {
+    image.as_mut().map_or(Ok(()), |image| copy_rows(stream, slab, side, width, image))
 }
 
-fn copy_rows<T: Pod>(stream: &Stream, slab: Slab, width: usize, image: &mut [T]) -> Result<()> {
+/// Of each square of `side` pixels, the one right below its middle.
+fn copy_rows<T: Pod>(stream: &Stream, slab: Slab, side: u32, width: usize, image: &mut [T]) -> Result<()> {
     let pixels: Vec<T> = stream.read_range(0..slab.pixels())?;
-    let [x, y] = slab.origin.map(|o| o as usize);
-    for (row, source) in pixels.chunks(slab.size[0] as usize).enumerate() {
-        let first = (y + row) * width + x;
-        image[first..first + source.len()].copy_from_slice(source);
+    let [x, y] = slab.coarser(side).origin.map(|o| o as usize);
+    let side = side as usize;
+    let rows = pixels.chunks(slab.size[0] as usize).skip(side / 2).step_by(side);
+    for (row, source) in rows.enumerate() {
+        let target = image[(y + row) * width + x..].iter_mut();
+        source.iter().skip(side / 2).step_by(side).zip(target).for_each(|(from, to)| *to = *from);
     }
     Ok(())
 }

@@ -234,6 +234,8 @@ pub(crate) struct WorkStreams {
 /// Images of a slab; those nobody asked for are empty.
 pub(crate) struct Outputs {
     pub(crate) color: Stream,
+    /// Of squares of `color`; empty where it is not averaged.
+    pub(crate) means: Stream,
     pub(crate) depth: Stream,
     pub(crate) normal: Stream,
     pub(crate) position: Stream,
@@ -242,7 +244,13 @@ pub(crate) struct Outputs {
 }
 
 impl WorkStreams {
-    pub(crate) fn new(device: &Arc<Device>, plan: &ImagePlan, scene: &RenderScene, tables: &Tables) -> Result<Self> {
+    pub(crate) fn new(
+        device: &Arc<Device>,
+        plan: &ImagePlan,
+        side: u32,
+        scene: &RenderScene,
+        tables: &Tables,
+    ) -> Result<Self> {
         let pixels = u64::from(plan.width.min(plan.slab_px)) * u64::from(plan.height.min(plan.slab_px));
         let samples = pixels * u64::from(SAMPLES);
         let fragments = if tables.masked { samples.max(MIN_MASKED_FRAGMENTS) } else { samples };
@@ -277,7 +285,7 @@ impl WorkStreams {
             radiance: new("radiance", 16, samples)?,
             backdrop: new("backdrop", 12, if has_environment { pixels } else { 0 })?,
             pixels: new("pixels", 4, pixels)?,
-            outputs: Outputs::new(device, pixels, &scene.aovs)?,
+            outputs: Outputs::new(device, pixels, side, &scene.aovs)?,
             masked_small_chunk: fragments / u64::from(SMALL_SAMPLES),
             masked_pair_chunk: fragments / TILE_SAMPLES,
         })
@@ -294,12 +302,13 @@ fn mapped(device: &Arc<Device>, scene: &RenderScene, fragments: u64) -> Result<[
 }
 
 impl Outputs {
-    fn new(device: &Arc<Device>, pixels: u64, aovs: &[Aov]) -> Result<Self> {
+    fn new(device: &Arc<Device>, pixels: u64, side: u32, aovs: &[Aov]) -> Result<Self> {
         let stream = |name: &str, bytes: u32, aov: Aov| {
             Stream::new(device, name, bytes, if aovs.contains(&aov) { pixels } else { 0 })
         };
         Ok(Self {
             color: Stream::new(device, "color", 16, pixels)?,
+            means: Stream::new(device, "means", 16, if side > 1 { pixels / u64::from(side * side) } else { 0 })?,
             depth: stream("depth", 4, Aov::Depth)?,
             normal: stream("normal", 12, Aov::Normal)?,
             position: stream("position", 12, Aov::Position)?,
