@@ -119,7 +119,7 @@ def local(node: dict) -> np.ndarray:
 
 
 def write_glb(path: Path, part: Part, images: dict[str, bytes]) -> None:
-    """The part in the world, with PNG files by name as base, metallic_roughness and normal; its tangents are left out."""
+    """The part in the world, with PNG files by name: any of base, metallic_roughness, normal; its tangents are left out."""
     linear = part.world_from_mesh[:3, :3]
     assert np.linalg.det(linear) > 0, "a mirrored node turns its triangles"
     positions = (part.positions @ linear.T + part.world_from_mesh[:3, 3]).astype("<f4")
@@ -136,16 +136,21 @@ def write_glb(path: Path, part: Part, images: dict[str, bytes]) -> None:
     ]
     accessors[0] |= {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     texture = {name: {"index": k} for k, name in enumerate(images)}
-    pbr = {"baseColorTexture": texture["base"], "metallicRoughnessTexture": texture["metallic_roughness"]}
+    keys = {"base": "baseColorTexture", "metallic_roughness": "metallicRoughnessTexture"}
+    material = {"pbrMetallicRoughness": {key: texture[name] for name, key in keys.items() if name in images}}
+    if "metallic_roughness" not in images:
+        material["pbrMetallicRoughness"]["metallicFactor"] = 0
+    material |= {"normalTexture": texture["normal"]} if "normal" in images else {}
     attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": attributes, "indices": 3, "material": 0}]}],
-        "materials": [{"pbrMetallicRoughness": pbr, "normalTexture": texture["normal"]}],
-        "textures": [{"source": k} for k in range(len(images))],
-        "images": [{"bufferView": 4 + k, "mimeType": "image/png"} for k in range(len(images))],
+        "materials": [material],
         "buffers": [{"byteLength": len(blob)}], "bufferViews": views, "accessors": accessors,
     }  # fmt: skip
+    if images:
+        document["textures"] = [{"source": k} for k in range(len(images))]
+        document["images"] = [{"bufferView": 4 + k, "mimeType": "image/png"} for k in range(len(images))]
     save(path, document, blob)
 
 

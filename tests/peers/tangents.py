@@ -16,7 +16,6 @@ exits 1 where a compared corner's handedness differs, or a tangent by more than 
 
 import argparse
 import copy
-import json
 import os
 import subprocess
 import sys
@@ -29,15 +28,18 @@ from gltf import Gltf, Part, save
 
 MOST_P99_DEGREES, MOST_DEGREES = 1e-3, 1e-2
 LEAST_AREA = 1e-6
+HEAD = ["model", "corners", "of them mirrored", "median °", "p99 °", "largest °", "other handedness", "without area"]
+HEAD += ["of them apart", "verdict"]
 MODELS = [
     "models/Avocado/Avocado.gltf", "models/BoxTextured.glb", "models/CesiumMilkTruck.glb", "models/ClearcoatWicker.glb",
     "models/MultiUVTest.glb", "models/NegativeScaleTest.glb", "models/NormalTangentTest.glb", "models/Suzanne/Suzanne.gltf",
     "models/TwoSidedPlane/TwoSidedPlane.gltf", "models/VertexColorTest.glb", "models/clothFolds.glb",
     "models/craft_speederD/craft_speederD.gltf", "models/torus.gltf", "maps/LeePerrySmith_head/LeePerrySmith.glb",
 ]  # fmt: skip
-# One texel: straight up.
+# A PNG of one texel, straight up.
 PIXEL = bytes.fromhex(
-    "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c636868f80f000383020000a5fb890000000049454e44ae426082"
+    "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c636868f80f"
+    "000383020000a5fb890000000049454e44ae426082"
 )
 
 
@@ -142,8 +144,7 @@ def main() -> int:
 
 def check(options) -> int:
     bad = 0
-    print("| model | corners | of them mirrored | median ° | p99 ° | largest ° | other handedness | without area | of them apart | verdict |")
-    print("|---" * 10 + "|")
+    print(f"| {' | '.join(HEAD)} |\n{'|---' * len(HEAD)}|")
     for model in MODELS:
         source = options.corpus / model
         parts = by_displace(options, source)
