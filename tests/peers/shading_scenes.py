@@ -15,9 +15,10 @@ from PIL import Image
 from gltf import Gltf, Part, write_glb
 
 MAPS = ("base", "metallic_roughness", "normal")
-# Of environment.exr: texels, and where -Z lies in it, a share of its width; towards +X is to the right, +Y is up.
+# Of environment.exr: texels, and where -Z lies in it, a share of its width; towards +X is to the right, +Y is up. So +X is in
+# the middle, as three.js and Khronos' viewer have it.
 ENVIRONMENT_SIZE = (512, 256)
-FORWARD_U = 0.5
+FORWARD_U = 0.25
 # Towards the middle, width in radians, radiance there: a soft sun, a red and a green lamp.
 LAMPS = [((0.6, 0.6, 0.5), 0.12, (24.0, 20.0, 15.0)), ((-0.9, 0.1, 0.4), 0.2, (2.5, 0.4, 0.3)), ((0.3, -0.2, -0.9), 0.25, (0.3, 2.0, 0.6))]
 
