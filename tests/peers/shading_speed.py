@@ -93,7 +93,7 @@ def by_mitsuba(options, scene: str, folder: Path, samples: int) -> Seconds:
 def by_displace(options, scene: str, folder: Path, samples: int) -> Seconds:
     camera = json.loads((folder / "camera.json").read_text())
     view = [f"--{flag}={','.join(map(repr, camera[name]))}" for flag, name in (("eye", "eye"), ("look-at", "target"))]
-    flags = [*LOOKS[scene], *view, "--fov", repr(camera["yfov_degrees"]), "--size", f"{SIZE}x{SIZE}", "--samples", str(samples)]
+    flags = [*LOOKS[scene], *view, "--fov", repr(camera["yfov_degrees"]), "--size", f"{SIZE}x{SIZE}", "--supersample", str(samples)]
     if scene == "environment":
         flags += ["--env", str(folder / "environment.exr")]
     if scene == "displaced":

@@ -2,7 +2,7 @@
 //! passes). The image is made in slabs, so that its size does not bound the memory of the samples.
 
 pub(crate) mod coverage;
-mod environment;
+pub mod environment;
 pub(crate) mod light;
 pub(crate) mod shading;
 mod streams;

@@ -9,7 +9,7 @@ use super::{EYE, OracleMesh, OracleScene, direction, image, mesh, scene};
 
 /// Shows what is covered as 1 and the rest as 0.
 fn silhouette() -> Lighting {
-    Lighting { lights: Vec::new(), ambient: 1.0, background: [0.0; 3] }
+    Lighting { lights: Vec::new(), environment: None, ambient: 1.0, background: [0.0; 3] }
 }
 
 /// Radius 1.

@@ -38,7 +38,7 @@ fn empty(name: &str, element_bytes: u32) -> Stream {
 }
 
 fn made_table() -> Stream {
-    let table = table(device()).expect("fits");
+    let table = table(device(), true).expect("fits");
     run(|recorder| record_table(recorder, &table).expect("records"));
     table
 }

@@ -3,9 +3,7 @@
 
 use std::sync::Arc;
 
-use displace_glsl::layout::raster::{
-    MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION,
-};
+use displace_glsl::layout::raster::{MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION};
 use displace_server::domain::{
     detail::Wrap,
     environment::Environment,
@@ -138,8 +136,11 @@ fn every_filter_agrees_with_its_twin() {
 fn shadows_by_rays_agree_with_their_twin_and_fall_on_the_ground() {
     let scene = RenderScene { shadows: Shadows::Ray, ..still_life() };
     assert_agrees(&scene, 2e-3, "shadows");
+    let mut side = scene;
+    side.lighting.lights = vec![RenderLight::sun([-0.8, 0.6, 0.0])];
+    let shadowed = render(&side, 96, 96);
+    let open = render(&RenderScene { shadows: Shadows::None, ..side }, 96, 96);
     let darker = |(a, b): (&[f32; 4], &[f32; 4])| a[0] < 0.7 * b[0];
-    let (shadowed, open) = (render(&scene, 96, 96), render(&still_life(), 96, 96));
     let count = shadowed.color.iter().zip(&open.color).filter(|pair| darker(*pair)).count();
     assert!(count > 100, "{count} pixels are in shadow");
 }
@@ -189,7 +190,8 @@ fn more_samples_average_a_finer_image() {
     for (i, color) in image.color.iter().enumerate() {
         let (x, y) = (i % 96 * 2, i / 96 * 2);
         for k in 0..3 {
-            let sum: f32 = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| fine.color[(y + b) * 192 + x + a][k]).iter().sum();
+            let sum: f32 =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| fine.color[(y + b) * 192 + x + a][k]).iter().sum();
             assert!((color[k] - 0.25 * sum).abs() <= 1e-6 * sum.max(1.0), "pixel {i}");
         }
         let triangle = |image: &Option<Vec<u32>>, i: usize| image.as_ref().expect("asked for")[i];

@@ -38,7 +38,8 @@ impl Builder {
     /// Colours come out as they go in.
     pub(crate) fn unlit(camera: RenderCamera) -> Self {
         let mut builder = Self::lit(camera);
-        builder.scene.lighting = Lighting { lights: Vec::new(), ambient: 1.0, background: [LEAK; 3] };
+        builder.scene.lighting =
+            Lighting { lights: Vec::new(), environment: None, ambient: 1.0, background: [LEAK; 3] };
         builder
     }
 

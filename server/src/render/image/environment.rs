@@ -21,21 +21,21 @@ use crate::{
 };
 
 /// Streams that `surroundings` reads.
-pub(crate) struct EnvironmentStreams {
+pub struct EnvironmentStreams {
     /// First texel, width, height, 0 of each level: the map, its mips, then what lobes see.
-    pub(crate) levels: Stream,
+    pub levels: Stream,
     /// Linear RGB, two texels to an element.
-    pub(crate) texels: Stream,
+    pub texels: Stream,
     /// Nine factors of irradiance over pi.
-    pub(crate) harmonics: Stream,
+    pub harmonics: Stream,
     /// The map and its mips.
-    pub(crate) mips: u32,
+    pub mips: u32,
     layout: Layout,
 }
 
 impl EnvironmentStreams {
     /// The streams with the map in them; `record` makes the rest.
-    pub(crate) fn upload(device: &Arc<Device>, environment: &Environment) -> Result<Self> {
+    pub fn upload(device: &Arc<Device>, environment: &Environment) -> Result<Self> {
         let layout = Layout::new(environment.width, environment.height);
         let factors = harmonics(environment.width as usize, &environment.texels).map(|c| c.as_vec3().to_array());
         Ok(Self {
@@ -53,12 +53,12 @@ impl EnvironmentStreams {
 
     /// Levels that lobes see.
     #[must_use]
-    pub(crate) fn lobes(&self) -> u32 {
+    pub fn lobes(&self) -> u32 {
         self.layout.lobes.len() as u32
     }
 
     /// Makes the map's mips, then what lobes see.
-    pub(crate) fn record(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+    pub fn record(&self, recorder: &mut Recorder<'_>) -> Result<()> {
         let levels = &self.layout.levels;
         for (source, target) in levels.iter().zip(&levels[1..self.mips as usize]) {
             let count = pairs(target);
@@ -128,13 +128,13 @@ fn pairs([_, width, height, _]: &[u32; 4]) -> u64 {
 }
 
 /// The stream that `shade_pbr` reads as `brdf_table`, empty unless it is needed; `record_table` fills it.
-pub(crate) fn table(device: &Arc<Device>, is_needed: bool) -> Result<Stream> {
+pub fn table(device: &Arc<Device>, is_needed: bool) -> Result<Stream> {
     let side = u64::from(TABLE_SIDE);
     Ok(Stream::new(device, "brdf table", 12, if is_needed { side * side + side } else { 0 })?)
 }
 
 /// Fills the table of what surfaces reflect, and its averages.
-pub(crate) fn record_table(recorder: &mut Recorder<'_>, table: &Stream) -> Result<()> {
+pub fn record_table(recorder: &mut Recorder<'_>, table: &Stream) -> Result<()> {
     let cells = TABLE_SIDE * TABLE_SIDE;
     let params = BrdfTableParams { count: cells, side: TABLE_SIDE, samples: TABLE_SAMPLES };
     let bound = [("brdf_table", table)];
