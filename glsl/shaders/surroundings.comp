@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Params {
     uint count;
     uint normals; // NORMALS_*
     uint mips;    // levels of the environment's map
-    uint lobes;   // levels after them, of roughness k / lobes, k from 1; 0: every surface is a mirror
+    uint lobes;   // of roughness k / lobes, k from 1, after a level of irradiance; 0: every surface is a mirror
     vec4 eye;     // w = 1: a place; w = 0: the direction towards an orthographic camera
 } params;
 
@@ -29,12 +29,10 @@ PAGED(3, readonly, vec3, normals);
 PAGED(4, readonly, vec4, instance_rows);
 PAGED(5, readonly, uvec4, environment_levels);
 PAGED(6, readonly, TexelPair, environment_texels);
-PAGED(7, readonly, vec3, harmonics);
-PAGED(8, writeonly, Surroundings, surroundings);
+PAGED(7, writeonly, Surroundings, surroundings);
 #include "world.glsl"
 #include "footprint.glsl"
 #include "environment.glsl"
-#include "environment_light.glsl"
 
 const uint NORMALS_OF_PIXELS = 0u;
 const uint NORMALS_OF_VERTICES = 1u;
@@ -49,11 +47,11 @@ vec3 glossy(vec3 d, float roughness, float footprint) {
     vec2 place = place_of(d);
     vec3 fine = finer == 0u
         ? environment_mirror(d, footprint, params.mips)
-        : environment_at(LOAD(environment_levels, params.mips + finer - 1u), place);
+        : environment_at(LOAD(environment_levels, params.mips + finer), place);
     if (params.lobes == 0u) {
         return fine;
     }
-    vec3 coarse = environment_at(LOAD(environment_levels, params.mips + finer), place);
+    vec3 coarse = environment_at(LOAD(environment_levels, params.mips + finer + 1u), place);
     return mix(fine, coarse, finer == 0u ? t * t * t : t);
 }
 
@@ -63,7 +61,8 @@ Surroundings seen(vec3 position, vec3 normal, float roughness, float footprint) 
     vec3 mirrored = 2.0 * dot(n, v) * n - v;
     // Wide lobes lean towards the normal, where less is shadowed: by alpha squared.
     float lean = params.lobes == 0u ? 0.0 : clamp(roughness * roughness * roughness * roughness, 0.0, 1.0);
-    return Surroundings(environment_diffuse(n), glossy(normalize(mix(mirrored, n, lean)), roughness, footprint));
+    vec3 diffuse = environment_at(LOAD(environment_levels, params.mips), place_of(n));
+    return Surroundings(diffuse, glossy(normalize(mix(mirrored, n, lean)), roughness, footprint));
 }
 
 // At the vertices, blended as Gouraud (1971) has it.

@@ -3,7 +3,7 @@
 //! The map is equirectangular as three.js and Khronos' viewer have it: direction d is at u = 1/2 + atan2(d.z, d.x) / 2 pi,
 //! v = acos(d.y) / pi, so that its middle is +x and +z a quarter to the right of it.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,8 +18,8 @@ pub struct Environment {
     pub mips: Vec<Level>,
     /// The map as lobes of perceptual roughness k / `glossy.len()` see it, k from 1; see `environment_level`.
     pub glossy: Vec<Level>,
-    /// See `harmonics`.
-    pub harmonics: [DVec3; 9],
+    /// See `irradiance_over_pi`.
+    pub irradiance: Level,
 }
 
 /// Unit.
@@ -78,7 +78,7 @@ impl Environment {
         let wide = texels.iter().map(|t| DVec3::from_array(t.map(f64::from)).extend(1.0).to_array()).collect();
         let mips = Level { width, height: texels.len() / width, texels: wide, alpha_scale: 1.0 }.chain();
         let glossy = lobe_levels(width as u32).map(|how| environment_level(&mips, how)).into();
-        Self { mips, glossy, harmonics: harmonics(width, texels) }
+        Self { mips, glossy, irradiance: irradiance_over_pi(width, texels) }
     }
 
     /// What arrives from `d` over `footprint` radians: the mip level has texels as high as that (Blinn and Newell 1976 see
@@ -109,56 +109,50 @@ impl Environment {
     /// Irradiance over pi on a surface that faces `n`: what a white diffuse one sends out.
     #[must_use]
     pub fn diffuse(&self, n: DVec3) -> DVec3 {
-        irradiance_over_pi(&self.harmonics, n)
+        lookup(&self.irradiance, place(n))
     }
 }
 
-/// Never below 0, where nine terms swing through it.
+/// Size of the map of irradiance: cosines are so wide that values between its texels are off by less than 1/1000.
+pub const IRRADIANCE_SIZE: [usize; 2] = [64, 32];
+/// No more texels of a map are summed up along a row: it is averaged before.
+const SUMMED_WIDTH: usize = 256;
+
+/// Irradiance over pi by normal, of a map of `width` texels a row: sums over its texels, weighed by solid angle and cosine,
+/// over the sum of the weights, so that equal light stays equal. Nine harmonics (Ramamoorthi and Hanrahan 2001) would be
+/// off by up to 9 % of what a small sun gives.
 #[must_use]
-pub fn irradiance_over_pi(harmonics: &[DVec3; 9], n: DVec3) -> DVec3 {
-    let sum: DVec3 = harmonics.iter().zip(basis(n)).map(|(&c, y)| c * y).sum();
-    sum.max(DVec3::ZERO)
-}
-
-/// Real spherical harmonics up to order 2 but for their factors, which `harmonics` has within.
-fn basis(d: DVec3) -> [f64; 9] {
-    let (x, y, z) = (d.x, d.y, d.z);
-    [1.0, y, z, x, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y]
-}
-
-/// Squares of the factors of the real spherical harmonics.
-const SQUARED_FACTORS: [f64; 9] = {
-    let (one, two) = (0.75 / PI, 3.75 / PI);
-    [0.25 / PI, one, one, one, two, two, two / 12.0, two, two / 4.0]
-};
-
-/// Over pi: what a cosine keeps of each order (Ramamoorthi and Hanrahan 2001).
-const KEPT: [f64; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-
-/// Factors of `irradiance_over_pi` for a map of `width` texels a row: the map's projection on each harmonic, texels by
-/// their solid angle, times what a cosine keeps of it.
-#[must_use]
-pub fn harmonics(width: usize, texels: &[[f32; 3]]) -> [DVec3; 9] {
-    let height = texels.len() / width;
-    let turns: Vec<(f64, f64)> =
-        (0..width).map(|x| (TAU * ((x as f64 + 0.5) / width as f64 - 0.5)).sin_cos()).collect();
-    let of_row = |(y, row): (usize, &[[f32; 3]])| {
-        let (sine, cosine) = (PI * (y as f64 + 0.5) / height as f64).sin_cos();
-        let mut sums = [DVec3::ZERO; 9];
-        for (texel, (z, x)) in row.iter().zip(&turns) {
-            let texel = DVec3::from_array(texel.map(f64::from));
-            let values = basis(DVec3::new(sine * x, cosine, sine * z));
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += texel * value);
+pub fn irradiance_over_pi(width: usize, texels: &[[f32; 3]]) -> Level {
+    let suns = suns(width, texels);
+    let [width, height] = IRRADIANCE_SIZE;
+    let of_normal = |i: usize| {
+        let n = direction(((i % width) as f64 + 0.5) / width as f64, ((i / width) as f64 + 0.5) / height as f64);
+        let (mut light, mut weights) = (DVec3::ZERO, 0.0);
+        for (d, radiance, solid_angle) in &suns {
+            let weight = n.dot(*d).max(0.0) * solid_angle;
+            light += weight * *radiance;
+            weights += weight;
         }
-        sums.map(|sum| sum * sine)
+        (light / weights).extend(1.0).to_array()
     };
-    let rows: Vec<[DVec3; 9]> = texels.par_chunks(width).enumerate().map(of_row).collect();
-    // A texel covers the solid angle of a turn's share times the difference of its rows' cosines, over their mean's sine.
-    let solid_angle = TAU / width as f64 * 2.0 * (FRAC_PI_2 / height as f64).sin();
-    std::array::from_fn(|k| {
-        let sum: DVec3 = rows.iter().map(|row| row[k]).sum();
-        sum * (solid_angle * SQUARED_FACTORS[k] * KEPT[k])
-    })
+    let texels = (0..width * height).into_par_iter().map(of_normal).collect();
+    Level { width, height, texels, alpha_scale: 1.0 }
+}
+
+/// Directions, radiances and solid angles of a map's texels, or of squares of them.
+fn suns(width: usize, texels: &[[f32; 3]]) -> Vec<(DVec3, DVec3, f64)> {
+    let wide = texels.par_iter().map(|t| DVec3::from_array(t.map(f64::from)).extend(1.0).to_array()).collect();
+    let mut level = Level { width, height: texels.len() / width, texels: wide, alpha_scale: 1.0 };
+    while level.width > SUMMED_WIDTH {
+        level = level.coarser();
+    }
+    let (width, height) = (level.width, level.height);
+    let sun = |(i, [r, g, b, _]): (usize, &[f64; 4])| {
+        let v = ((i / width) as f64 + 0.5) / height as f64;
+        let d = direction(((i % width) as f64 + 0.5) / width as f64, v);
+        (d, DVec3::new(*r, *g, *b), (PI * v).sin())
+    };
+    level.texels.iter().enumerate().map(sun).collect()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::layout::raster::{BVH_INNER, BvhNode};
 /// What stops light: triangles in world space, in the order of the nodes' leaves.
 #[derive(Clone, Debug, Default)]
 pub struct Occluders {
-    /// In the order of a walk.
+    /// In the order of a walk. Boxes are larger than what they hold: rays that run along their sides may miss them.
     pub nodes: Vec<BvhNode>,
     /// World, three for each occluder.
     pub corners: Vec<[f32; 3]>,
@@ -112,9 +112,9 @@ impl Sheared {
 mod tests {
     use super::*;
 
-    /// A unit square of two triangles at z = 1, in one leaf.
+    /// A unit square of two triangles at z = 1, in one leaf, whose box is larger as boxes are.
     fn square() -> Occluders {
-        let node = BvhNode { low: [0.0, 0.0, 1.0], high: [1.0, 1.0, 1.0], skip: 1, first: 0 };
+        let node = BvhNode { low: [-0.001, -0.001, 0.999], high: [1.001, 1.001, 1.001], skip: 1, first: 0 };
         let corners = [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]].map(|[x, y]| [x as f32, y as f32, 1.0]);
         Occluders { nodes: vec![node], corners: corners.to_vec(), items: vec![0, 3] }
     }

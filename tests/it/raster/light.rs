@@ -182,7 +182,6 @@ impl Scene {
             ("instance_rows", &stream("rows", &self.rows)),
             ("environment_levels", &environment.levels),
             ("environment_texels", &environment.texels),
-            ("harmonics", &environment.harmonics),
             ("surroundings", &found),
         ];
         let params =

@@ -106,7 +106,7 @@ fn a_white_environment_stays_white_at_every_level() {
 /// An environment that is asked for one level alone.
 fn with_level(k: usize) -> Environment {
     let glossy = vec![level(k); 12];
-    Environment { mips: MIPS.clone(), glossy, harmonics: [DVec3::ZERO; 9] }
+    Environment { mips: MIPS.clone(), glossy, irradiance: MIPS[5].clone() }
 }
 
 #[test]

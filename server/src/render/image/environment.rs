@@ -1,4 +1,4 @@
-//! An environment on the device: its map, the map's mips and what lobes see of it in one stream, its harmonics; and the
+//! An environment on the device: its map, the map's mips, its irradiance and what lobes see of it in one stream; and the
 //! table of what surfaces reflect.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use displace_glsl::{
         },
         raster::MipParams,
     },
-    reference::environment::harmonics,
+    reference::environment::{IRRADIANCE_SIZE, irradiance_over_pi},
 };
 
 use crate::{
@@ -22,12 +22,10 @@ use crate::{
 
 /// Streams that `surroundings` reads.
 pub struct EnvironmentStreams {
-    /// First texel, width, height, 0 of each level: the map, its mips, then what lobes see.
+    /// First texel, width, height, 0 of each level: the map, its mips, irradiance over pi, then what lobes see.
     pub levels: Stream,
     /// Linear RGB, two texels to an element.
     pub texels: Stream,
-    /// Nine factors of irradiance over pi.
-    pub harmonics: Stream,
     /// The map and its mips.
     pub mips: u32,
     layout: Layout,
@@ -37,15 +35,18 @@ impl EnvironmentStreams {
     /// The streams with the map in them; `record` makes the rest.
     pub fn upload(device: &Arc<Device>, environment: &Environment) -> Result<Self> {
         let layout = Layout::new(environment.width, environment.height);
-        let factors = harmonics(environment.width as usize, &environment.texels).map(|c| c.as_vec3().to_array());
+        let irradiance = irradiance_over_pi(environment.width as usize, &environment.texels);
+        let irradiance: Vec<[f32; 4]> = irradiance.texels.iter().map(|texel| texel.map(|x| x as f32)).collect();
+        let map: Vec<[f32; 4]> = environment.texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+        let lists = [(map, 0), (irradiance, layout.levels[layout.mips as usize][0] as usize)];
         Ok(Self {
             levels: Stream::from_slice(device, "environment levels", &layout.levels)?,
             texels: Stream::build(device, "environment texels", layout.pairs, |first, pairs: &mut [[[f32; 4]; 2]]| {
                 pairs.fill([[0.0; 4]; 2]);
-                let map = environment.texels.iter().skip(first as usize * 2);
-                pairs.as_flattened_mut().iter_mut().zip(map).for_each(|(to, [r, g, b])| *to = [*r, *g, *b, 1.0]);
+                lists
+                    .iter()
+                    .for_each(|(list, start)| overlay(list, *start, first as usize * 2, pairs.as_flattened_mut()));
             })?,
-            harmonics: Stream::from_slice(device, "harmonics", &factors)?,
             mips: layout.mips,
             layout,
         })
@@ -71,7 +72,7 @@ impl EnvironmentStreams {
             };
             recorder.dispatch(&SHADERS.mip, count, &params, &[("texels", &self.texels)])?;
         }
-        let mut lobes = self.layout.lobes.iter().zip(&levels[self.mips as usize..]);
+        let mut lobes = self.layout.lobes.iter().zip(&levels[self.mips as usize + 1..]);
         lobes.try_for_each(|(lobe, target)| self.record_lobe(recorder, lobe, target))
     }
 
@@ -87,6 +88,14 @@ impl EnvironmentStreams {
         };
         let bound = [("environment_levels", &self.levels), ("environment_texels", &self.texels)];
         Ok(recorder.dispatch(&SHADERS.environment_level, count, &params, &bound)?)
+    }
+}
+
+/// Copies what of a list that starts at texel `start` falls into `texels`, which start at texel `first`.
+fn overlay(list: &[[f32; 4]], start: usize, first: usize, texels: &mut [[f32; 4]]) {
+    let (from, to) = (start.max(first), (start + list.len()).min(first + texels.len()));
+    if from < to {
+        texels[from - first..to - first].copy_from_slice(&list[from - start..to - start]);
     }
 }
 
@@ -110,6 +119,7 @@ impl Layout {
             this.add(size);
         }
         this.mips = this.levels.len() as u32;
+        this.add(IRRADIANCE_SIZE.map(|side| side as u32));
         for lobe in this.lobes.clone() {
             this.add(lobe.size);
         }

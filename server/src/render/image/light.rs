@@ -103,7 +103,6 @@ fn record_surroundings(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u6
         ("instance_rows", &streams.instance_rows),
         ("environment_levels", &environment.levels),
         ("environment_texels", &environment.texels),
-        ("harmonics", &environment.harmonics),
         ("surroundings", &work.surroundings),
     ];
     Ok(recorder.dispatch(&SHADERS.surroundings, count, &params, &bound)?)

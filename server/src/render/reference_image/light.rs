@@ -6,7 +6,7 @@ use displace_glsl::{
         backdrop::{Directions, backdrop},
         brdf::visible_normal,
         brdf_table::Table,
-        environment::{Environment, harmonics},
+        environment::{Environment, irradiance_over_pi},
         lights::incoming,
         mip::Level,
         shade_pbr,
@@ -151,5 +151,5 @@ fn environment(map: &domain::environment::Environment, shading: Shading) -> Envi
     }
     let wide = texels.iter().map(|t| vec3(*t).extend(1.0).to_array()).collect();
     let finest = Level { width, height: map.height as usize, texels: wide, alpha_scale: 1.0 };
-    Environment { mips: finest.chain(), glossy: Vec::new(), harmonics: harmonics(width, texels) }
+    Environment { mips: finest.chain(), glossy: Vec::new(), irradiance: irradiance_over_pi(width, texels) }
 }
