@@ -35,7 +35,8 @@ vec3 table_average(float roughness) {
 
 // Shares of light that a surface reflects, seen under one angle.
 struct Albedo {
-    vec3 single;   // at the first facet met: what a mirrored direction is weighed by
+    vec3 single;   // at the first facet met
+    float grazing; // of it, what Fresnel adds at grazing angles whatever the surface
     vec3 multiple; // after several facets: like diffuse light
     vec3 below;    // what is left for the matter below
 };
@@ -51,10 +52,10 @@ Albedo albedo(Reflectance surface, float nv, bool multiple) {
     vec3 cell = table_at(surface.roughness, nv);
     vec3 single = surface.f0 * cell.x + cell.y;
     if (!multiple) {
-        return Albedo(single, vec3(0.0), (1.0 - surface.f0) * (1.0 - cell.z));
+        return Albedo(single, cell.y, vec3(0.0), (1.0 - surface.f0) * (1.0 - cell.z));
     }
     vec3 passed = passed_on(surface.f0, table_average(surface.roughness).z) * max(1.0 - cell.x - cell.y, 0.0);
-    return Albedo(single, passed, 1.0 - single - passed);
+    return Albedo(single, cell.y, passed, 1.0 - single - passed);
 }
 
 // What is weighed by the light of all directions that the surface sees.

@@ -1,7 +1,7 @@
 // Light from infinitely far away, by direction. The map is equirectangular as three.js and Khronos' viewer have it: d is at
 // u = 1/2 + atan2(d.z, d.x) / 2 pi, v = acos(d.y) / pi, so that its middle is +x and +z a quarter to the right of it.
 // Include after pages.glsl, texel_pair.glsl, trigonometry.glsl; needs in scope
-//   PAGED(b, readonly, uvec4, environment_levels);      first texel (even), width, height, 0: the map, its mips, irradiance, lobes
+//   PAGED(b, readonly, uvec4, environment_levels);      first texel (even), width, height, 0: the map, its mips, irradiance
 //   PAGED(b, readonly, TexelPair, environment_texels);  linear RGB
 
 #define ENVIRONMENT_TEXEL(I) (ELEMENT(environment_texels, (I) >> 1).texel[(I) & 1u].rgb)

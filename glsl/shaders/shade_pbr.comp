@@ -39,12 +39,13 @@ float above_horizon(vec3 mirrored, vec3 normal) {
 }
 
 vec3 from_everywhere(uint i, Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 smooth_normal) {
-    Surroundings sky = Surroundings(vec3(0.0), vec3(0.0));
+    Surroundings sky = Surroundings(vec3(0.0), vec3(0.0), vec3(0.0));
     if (params.has_environment != 0u) {
         sky = LOAD(surroundings, i);
     }
     float share = above_horizon(2.0 * dot(n, v) * n - v, smooth_normal);
-    return seen.single * (sky.specular + params.ambient) * share
+    vec3 facing = seen.single - seen.grazing;
+    return (facing * (sky.facing + params.ambient) + seen.grazing * (sky.grazing + params.ambient)) * share
         + around(surface, seen) * (sky.diffuse + params.ambient);
 }
 

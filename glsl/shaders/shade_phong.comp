@@ -107,7 +107,7 @@ void element(uint i) {
         color = a.base.rgb * (params.ambient * a.occlusion) + a.emissive;
         if (params.has_environment != 0u) {
             Surroundings sky = LOAD(surroundings, i);
-            color += a.occlusion * (a.base.rgb * sky.diffuse + params.reflectivity * sky.specular);
+            color += a.occlusion * (a.base.rgb * sky.diffuse + params.reflectivity * sky.facing);
         }
         [[dont_unroll]] for (uint l = 0u; l < params.lights; ++l) {
             float arriving = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;

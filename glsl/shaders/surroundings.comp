@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // What each fragment sees of an environment: by its whole hemisphere, and by the lobe of its roughness, or by a mirror. At
-// the pixel's normal, the vertices' and blended, or the triangle's, as light is (see shade_phong). A thread per fragment.
+// the pixel's normal, or the triangle's where shading is flat. A thread per fragment.
 #include "common.glsl"
 #include "pages.glsl"
 #include "surface_point.glsl"
@@ -17,8 +17,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Params {
     uint count;
     uint normals; // NORMALS_*
-    uint mips;    // levels of the environment's map
-    uint lobes;   // of roughness k / lobes, k from 1, after a level of irradiance; 0: every surface is a mirror
+    uint mips;    // levels of the environment's map; irradiance follows
+    uint samples; // of a lobe; 0: every surface is a mirror
     vec4 eye;     // w = 1: a place; w = 0: the direction towards an orthographic camera
 } params;
 
@@ -34,63 +34,85 @@ PAGED(7, writeonly, Surroundings, surroundings);
 #include "footprint.glsl"
 #include "environment.glsl"
 
-const uint NORMALS_OF_PIXELS = 0u;
-const uint NORMALS_OF_VERTICES = 1u;
 const uint NORMALS_OF_TRIANGLES = 2u;
 
-// What a lobe of that roughness around `d` sees. Between the mirror and the first rough level the blend goes by the cube of
-// roughness: where lobes are narrow they blur by less than their share of the way.
-vec3 glossy(vec3 d, float roughness, float footprint) {
-    float level = clamp(roughness, 0.0, 1.0) * float(params.lobes);
-    uint finer = min(uint(level), max(params.lobes, 1u) - 1u);
-    float t = level - float(finer);
-    vec2 place = place_of(d);
-    vec3 fine = finer == 0u
-        ? environment_mirror(d, footprint, params.mips)
-        : environment_at(LOAD(environment_levels, params.mips + finer), place);
-    if (params.lobes == 0u) {
-        return fine;
-    }
-    vec3 coarse = environment_at(LOAD(environment_levels, params.mips + finer + 1u), place);
-    return mix(fine, coarse, finer == 0u ? t * t * t : t);
+const float LEAST_WEIGHT = 1e-6;
+const float GOLDEN_TURN = 2.39996322973;
+
+// Half vectors of GGX around z as `v` sees them (Heitz 2018), by caps of the ball that the ellipsoid comes from (Dupuy and
+// Benyoub 2023).
+vec3 half_vector(vec3 v, float alpha, vec2 u) {
+    vec3 stretched = normalize(vec3(v.xy * alpha, v.z));
+    float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
+    float radius = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
+    vec3 cap = vec3(radius * cos(u.x), radius * sin(u.x), z) + stretched;
+    return normalize(vec3(cap.xy * alpha, max(cap.z, 1e-6)));
 }
 
-Surroundings seen(vec3 position, vec3 normal, float roughness, float footprint) {
-    vec3 v = view_of(params.eye, position).towards;
+// What a sample stands for: light, what is reflected of it, and the radians that it fills.
+struct LobeSample {
+    vec3 light;
+    float weight;
+    float fresnel;
+    float width;
+};
+
+LobeSample lobe_sample(vec3 v, float alpha, uint i) {
+    float n = float(params.samples);
+    vec3 h = half_vector(v, alpha, vec2(GOLDEN_TURN * float(i), (float(i) + 0.5) / n));
+    float vh = dot(v, h);
+    vec3 l = 2.0 * vh * h - v;
+    float towards = 2.0 * v.z / (v.z + masking(alpha * alpha, v.z));
+    float density = towards * distribution(alpha, h.z, dot(h.xy, h.xy)) / (4.0 * v.z);
+    float weight = l.z > 0.0 ? visibility(alpha, v.z, l.z) * 4.0 * l.z * v.z / towards : 0.0;
+    return LobeSample(l, weight, grazing(vh), inversesqrt(n * density));
+}
+
+// Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
+Surroundings over_lobe(vec3 v, vec3 n, float roughness, float footprint) {
+    float cosine = max(dot(n, v), MIN_COSINE);
+    vec3 side = v - cosine * n;
+    float across = dot(side, side);
+    vec3 x = across > 1e-8 ? side * inversesqrt(across) : normalize(cross(n, abs(n.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
+    mat3 world_from_local = mat3(x, cross(n, x), n);
+    vec3 local = vec3(sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
+    float alpha = max(roughness * roughness, MIN_ALPHA);
+    vec4 facing = vec4(0.0);
+    vec4 grazed = vec4(0.0);
+    [[dont_unroll]] for (uint i = 0u; i < params.samples; ++i) {
+        LobeSample s = lobe_sample(local, alpha, i);
+        if (s.weight > 0.0) {
+            float width = max(s.width, footprint);
+            vec4 light = vec4(environment_mirror(world_from_local * s.light, width, params.mips), 1.0);
+            facing += s.weight * (1.0 - s.fresnel) * light;
+            grazed += s.weight * s.fresnel * light;
+        }
+    }
+    // Seen from the front, next to nothing is reflected as at grazing angles: it is lit as the rest is.
+    vec3 mean = facing.rgb / max(facing.a, 1e-20);
+    return Surroundings(vec3(0.0), mean, (grazed.rgb + LEAST_WEIGHT * mean) / (grazed.a + LEAST_WEIGHT));
+}
+
+Surroundings seen(vec3 v, vec3 normal, float roughness, float footprint) {
     vec3 n = visible_normal(normal, v);
-    vec3 mirrored = 2.0 * dot(n, v) * n - v;
-    // Wide lobes lean towards the normal, where less is shadowed: by alpha squared.
-    float lean = params.lobes == 0u ? 0.0 : clamp(roughness * roughness * roughness * roughness, 0.0, 1.0);
-    vec3 diffuse = environment_at(LOAD(environment_levels, params.mips), place_of(n));
-    return Surroundings(diffuse, glossy(normalize(mix(mirrored, n, lean)), roughness, footprint));
-}
-
-// At the vertices, blended as Gouraud (1971) has it.
-Surroundings blended(SurfacePoint point, float roughness, float footprint) {
-    uint row = point.instance * INSTANCE_ROWS;
-    Surroundings sum = Surroundings(vec3(0.0), vec3(0.0));
-    [[dont_unroll]] for (uint k = 0u; k < 3u; ++k) {
-        vec3 position = mapped(row + WORLD_ROW, vec4(LOAD(positions, point.vertices[k]), 1.0));
-        vec3 normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(LOAD(normals, point.vertices[k]), 0.0)));
-        Surroundings corner = seen(position, point.flip * normal, roughness, footprint);
-        sum.diffuse += point.at[k] * corner.diffuse;
-        sum.specular += point.at[k] * corner.specular;
+    Surroundings sky;
+    if (params.samples == 0u) {
+        vec3 mirrored = environment_mirror(2.0 * dot(n, v) * n - v, footprint, params.mips);
+        sky = Surroundings(vec3(0.0), mirrored, mirrored);
+    } else {
+        sky = over_lobe(v, n, clamp(roughness, 0.0, 1.0), footprint);
     }
-    return sum;
+    sky.diffuse = environment_at(LOAD(environment_levels, params.mips), place_of(n));
+    return sky;
 }
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
-    vec3 normal = params.normals == NORMALS_OF_TRIANGLES ? point.facing : LOAD(appearances, i).normal;
-    float roughness = LOAD(appearances, i).roughness;
+    bool flat_shaded = params.normals == NORMALS_OF_TRIANGLES;
+    vec3 normal = flat_shaded ? point.facing : LOAD(appearances, i).normal;
     View view = view_of(params.eye, point.position);
-    float footprint =
-        mirrored_footprint(point, visible_normal(normal, view.towards), view, params.normals == NORMALS_OF_TRIANGLES);
-    if (params.normals == NORMALS_OF_VERTICES) {
-        STORE(surroundings, i, blended(point, roughness, footprint));
-    } else {
-        STORE(surroundings, i, seen(point.position, normal, roughness, footprint));
-    }
+    float footprint = mirrored_footprint(point, visible_normal(normal, view.towards), view, flat_shaded);
+    STORE(surroundings, i, seen(view.towards, normal, LOAD(appearances, i).roughness, footprint));
 }
 
 #include "batch.glsl"

@@ -16,7 +16,6 @@ pub mod displace_expression;
 pub mod displace_vector;
 pub mod downsample;
 pub mod environment;
-pub mod environment_level;
 pub mod expand;
 pub mod flip;
 pub mod frame;

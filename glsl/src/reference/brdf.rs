@@ -77,8 +77,10 @@ pub fn visible_normal(n: DVec3, v: DVec3) -> DVec3 {
 /// Shares of light that a surface reflects, seen under one angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Albedo {
-    /// At the first facet met: what a mirrored direction is weighed by.
+    /// At the first facet met.
     pub single: DVec3,
+    /// Of it, what Fresnel adds at grazing angles whatever the surface.
+    pub grazing: f64,
     /// After several facets: like diffuse light.
     pub multiple: DVec3,
     /// What is left for the matter below.
@@ -105,11 +107,16 @@ pub fn albedo(surface: &Reflectance, table: &Table, nv: f64, multiple: bool) -> 
     let [scale, bias, grazed] = table.at(surface.roughness, nv);
     let single = surface.f0 * scale + bias;
     if !multiple {
-        return Albedo { single, multiple: DVec3::ZERO, below: (DVec3::ONE - surface.f0) * (1.0 - grazed) };
+        return Albedo {
+            single,
+            grazing: bias,
+            multiple: DVec3::ZERO,
+            below: (DVec3::ONE - surface.f0) * (1.0 - grazed),
+        };
     }
     let [_, _, mean_lost] = table.average(surface.roughness);
     let multiple = passed_on(surface.f0, mean_lost) * (1.0 - scale - bias).max(0.0);
-    Albedo { single, multiple, below: DVec3::ONE - single - multiple }
+    Albedo { single, grazing: bias, multiple, below: DVec3::ONE - single - multiple }
 }
 
 /// Share of light from `l` that leaves towards `v`, per steradian; all unit, `n` as `visible_normal` has it. Black where

@@ -8,16 +8,13 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{environment_level::environment_level, mip::Level};
-use crate::layout::light::lobe_levels;
+use super::mip::Level;
 
 /// Light from everywhere, linear radiance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     /// The map and its mip levels.
     pub mips: Vec<Level>,
-    /// The map as lobes of perceptual roughness k / `glossy.len()` see it, k from 1; see `environment_level`.
-    pub glossy: Vec<Level>,
     /// See `irradiance_over_pi`.
     pub irradiance: Level,
 }
@@ -77,8 +74,7 @@ impl Environment {
     pub fn new(width: usize, texels: &[[f32; 3]]) -> Self {
         let wide = texels.iter().map(|t| DVec3::from_array(t.map(f64::from)).extend(1.0).to_array()).collect();
         let mips = Level { width, height: texels.len() / width, texels: wide, alpha_scale: 1.0 }.chain();
-        let glossy = lobe_levels(width as u32).map(|how| environment_level(&mips, how)).into();
-        Self { mips, glossy, irradiance: irradiance_over_pi(width, texels) }
+        Self { mips, irradiance: irradiance_over_pi(width, texels) }
     }
 
     /// What arrives from `d` over `footprint` radians: the mip level has texels as high as that (Blinn and Newell 1976 see
@@ -87,23 +83,6 @@ impl Environment {
     pub fn mirror(&self, d: DVec3, footprint: f64) -> DVec3 {
         let texels = footprint * self.mips[0].height as f64 / PI;
         trilinear(&self.mips, place(d), texels.max(1.0).log2())
-    }
-
-    /// What a lobe of that roughness around `d` sees. Between the mirror and the first rough level the blend goes by the cube
-    /// of roughness: where lobes are narrow they blur by less than their share of the way.
-    #[must_use]
-    pub fn glossy(&self, d: DVec3, roughness: f64, footprint: f64) -> DVec3 {
-        let level = roughness.clamp(0.0, 1.0) * self.glossy.len() as f64;
-        let Some(last) = self.glossy.len().checked_sub(1) else {
-            return self.mirror(d, footprint);
-        };
-        let finer = (level as usize).min(last);
-        let t = level - finer as f64;
-        let coarse = lookup(&self.glossy[finer], place(d));
-        match finer {
-            0 => self.mirror(d, footprint).lerp(coarse, t * t * t),
-            k => lookup(&self.glossy[k - 1], place(d)).lerp(coarse, t),
-        }
     }
 
     /// Irradiance over pi on a surface that faces `n`: what a white diffuse one sends out.

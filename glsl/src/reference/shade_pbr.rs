@@ -63,7 +63,9 @@ fn from_everywhere(
     let nv = n.dot(v);
     let seen = albedo(surface, lighting.table, nv.clamp(MIN_COSINE, 1.0), lighting.multiple_scattering);
     let share = above_horizon(2.0 * nv * n - v, smooth_normal);
-    seen.single * (sky.specular + lighting.ambient) * share + seen.around(surface) * (sky.diffuse + lighting.ambient)
+    let facing = (seen.single - seen.grazing) * (sky.facing + lighting.ambient);
+    let grazing = seen.grazing * (sky.grazing + lighting.ambient);
+    (facing + grazing) * share + seen.around(surface) * (sky.diffuse + lighting.ambient)
 }
 
 /// Share of a reflection that leaves the real surface where its normals are bent by a map.
@@ -95,7 +97,7 @@ mod tests {
 
     #[test]
     fn white_surfaces_vanish_in_a_white_furnace_whether_it_is_ambient_light_or_an_environment() {
-        let furnace = Surroundings { diffuse: DVec3::ONE, specular: DVec3::ONE };
+        let furnace = Surroundings { diffuse: DVec3::ONE, facing: DVec3::ONE, grazing: DVec3::ONE };
         for (metallic, roughness) in [(0.0, 0.0), (0.0, 0.4), (0.0, 1.0), (1.0, 0.0), (1.0, 0.4), (1.0, 1.0)] {
             for cosine in [0.001, 0.01, 0.1, 0.5, 0.9, 1.0] {
                 let shaded = |ambient: f64, sky: &Surroundings| {

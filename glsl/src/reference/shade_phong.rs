@@ -54,5 +54,5 @@ pub fn reflected(light: &Light, position: DVec3, normal: DVec3, eye: glam::DVec4
 /// the surroundings are away.
 #[must_use]
 pub fn from_surroundings(sky: &Surroundings, base: DVec3, occlusion: f64, reflectivity: f64) -> DVec3 {
-    occlusion * (base * sky.diffuse + reflectivity * sky.specular)
+    occlusion * (base * sky.diffuse + reflectivity * sky.facing)
 }

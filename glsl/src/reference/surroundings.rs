@@ -1,47 +1,99 @@
 //! Twin of `surroundings`: what a surface sees of an environment, by its hemisphere and by the lobe of its roughness.
 
-use glam::{DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4};
 
-use super::{brdf::visible_normal, environment::Environment};
+use super::{
+    brdf::{MIN_ALPHA, MIN_COSINE, distribution, grazing, visibility, visible_normal},
+    environment::Environment,
+};
+use crate::layout::light::LOBE_SAMPLES;
 
 /// What a fragment sees of an environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surroundings {
     /// Irradiance over pi.
     pub diffuse: DVec3,
-    /// Radiance, mean over the lobe around the mirrored direction.
-    pub specular: DVec3,
+    /// Mean radiance over the lobe, weighed by what Fresnel reflects as from the front.
+    pub facing: DVec3,
+    /// The same, weighed by what it adds at grazing angles.
+    pub grazing: DVec3,
 }
 
-impl Surroundings {
-    /// The blend of three, as Gouraud (1971) has it.
-    #[must_use]
-    pub fn blended(corners: [Self; 3], weights: DVec3) -> Self {
-        let sum = |part: fn(&Self) -> DVec3| {
-            weights.x * part(&corners[0]) + weights.y * part(&corners[1]) + weights.z * part(&corners[2])
-        };
-        Self { diffuse: sum(|s| s.diffuse), specular: sum(|s| s.specular) }
-    }
-}
-
-/// At `position`, seen from `eye`: w = 1 a place, w = 0 the direction towards an orthographic camera. An environment
-/// without rough levels makes every surface a mirror.
+/// At `position`, seen from `eye`: w = 1 a place, w = 0 the direction towards an orthographic camera. Without a roughness
+/// the surface is a mirror.
 #[must_use]
 pub fn seen(
     environment: &Environment,
     position: DVec3,
     normal: DVec3,
     eye: DVec4,
-    roughness: f64,
+    roughness: Option<f64>,
     footprint: f64,
 ) -> Surroundings {
     let v = (eye.truncate() - eye.w * position).normalize();
     let n = visible_normal(normal, v);
-    let mirrored = 2.0 * n.dot(v) * n - v;
-    // Wide lobes lean towards the normal, where less is shadowed: by alpha squared.
-    let lean = if environment.glossy.is_empty() { 0.0 } else { roughness.powi(4).clamp(0.0, 1.0) };
-    let specular = environment.glossy(mirrored.lerp(n, lean).normalize(), roughness, footprint);
-    Surroundings { diffuse: environment.diffuse(n), specular }
+    let diffuse = environment.diffuse(n);
+    let Some(roughness) = roughness else {
+        let mirrored = environment.mirror(2.0 * n.dot(v) * n - v, footprint);
+        return Surroundings { diffuse, facing: mirrored, grazing: mirrored };
+    };
+    let [facing, grazing] = over_lobe(environment, v, n, roughness.clamp(0.0, 1.0), footprint);
+    Surroundings { diffuse, facing, grazing }
+}
+
+const LEAST_WEIGHT: f64 = 1e-6;
+const GOLDEN_TURN: f64 = 2.399_963_229_73;
+
+/// Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
+fn over_lobe(environment: &Environment, v: DVec3, n: DVec3, roughness: f64, footprint: f64) -> [DVec3; 2] {
+    let cosine = n.dot(v).max(MIN_COSINE);
+    let side = v - cosine * n;
+    let other = if n.x.abs() < 0.7 { DVec3::X } else { DVec3::Y };
+    let x = if side.length_squared() > 1e-8 { side.normalize() } else { n.cross(other).normalize() };
+    let world_from_local = DMat3::from_cols(x, n.cross(x), n);
+    let local = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let alpha = (roughness * roughness).max(MIN_ALPHA);
+    let (mut facing, mut grazed) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
+    for sample in (0..LOBE_SAMPLES).map(|i| lobe_sample(local, alpha, i)).filter(|sample| sample.weight > 0.0) {
+        let width = sample.width.max(footprint);
+        let light = environment.mirror(world_from_local * sample.light, width);
+        let (front, rest) = (sample.weight * (1.0 - sample.fresnel), sample.weight * sample.fresnel);
+        facing = (facing.0 + front * light, facing.1 + front);
+        grazed = (grazed.0 + rest * light, grazed.1 + rest);
+    }
+    // Seen from the front, next to nothing is reflected as at grazing angles: it is lit as the rest is.
+    let mean = facing.0 / f64::max(facing.1, 1e-20);
+    [mean, (grazed.0 + LEAST_WEIGHT * mean) / (grazed.1 + LEAST_WEIGHT)]
+}
+
+/// What a sample stands for: light, what is reflected of it, and the radians that it fills.
+struct LobeSample {
+    light: DVec3,
+    weight: f64,
+    fresnel: f64,
+    width: f64,
+}
+
+fn lobe_sample(v: DVec3, alpha: f64, i: u32) -> LobeSample {
+    let n = f64::from(LOBE_SAMPLES);
+    let h = half_vector(v, alpha, [GOLDEN_TURN * f64::from(i), (f64::from(i) + 0.5) / n]);
+    let vh = v.dot(h);
+    let light = 2.0 * vh * h - v;
+    let masked = (alpha * alpha + (1.0 - alpha * alpha) * v.z * v.z).sqrt();
+    let towards = 2.0 * v.z / (v.z + masked);
+    let density = towards * distribution(alpha, h.z, h.truncate().length_squared()) / (4.0 * v.z);
+    let weight = if light.z > 0.0 { visibility(alpha, v.z, light.z) * 4.0 * light.z * v.z / towards } else { 0.0 };
+    LobeSample { light, weight, fresnel: grazing(vh), width: (n * density).sqrt().recip() }
+}
+
+/// Half vectors of GGX around z as `v` sees them (Heitz 2018), by caps of the ball that the ellipsoid comes from (Dupuy and
+/// Benyoub 2023).
+fn half_vector(v: DVec3, alpha: f64, [turn, share]: [f64; 2]) -> DVec3 {
+    let stretched = DVec3::new(v.x * alpha, v.y * alpha, v.z).normalize();
+    let z = (1.0 - share) * (1.0 + stretched.z) - stretched.z;
+    let radius = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+    let cap = DVec3::new(radius * turn.cos(), radius * turn.sin(), z) + stretched;
+    DVec3::new(cap.x * alpha, cap.y * alpha, cap.z.max(1e-6)).normalize()
 }
 
 /// How a surface changes from a pixel to the next, along x and y of the image.
@@ -68,25 +120,4 @@ pub fn mirrored_footprint(change: &Change, n: DVec3, position: DVec3, eye: DVec4
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_footprint_is_how_far_the_mirrored_direction_moves() {
-        let eye = DVec4::new(0.3, 0.2, 4.0, 1.0);
-        // A unit ball: its normals are its places.
-        let place = |x: f64, y: f64| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
-        let mirrored = |p: DVec3| {
-            let v = (eye.truncate() - p).normalize();
-            2.0 * p.dot(v) * p - v
-        };
-        let (at, step) = ([0.4, -0.3], 1e-6);
-        let centre = place(at[0], at[1]);
-        let sides = [place(at[0] + step, at[1]), place(at[0], at[1] + step)];
-        let moved = sides.map(|p| (p - centre) / step);
-        let change = Change { normal: moved, position: moved };
-        let expected = sides.map(|p| (mirrored(p) - mirrored(centre)).length() / step);
-        let found = mirrored_footprint(&change, centre, centre, eye);
-        assert!((found - expected[0].max(expected[1])).abs() < 1e-4 * found, "{found} {expected:?}");
-    }
-}
+mod tests;

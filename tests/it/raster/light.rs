@@ -3,7 +3,7 @@
 use displace_glsl::{
     SHADERS,
     layout::{
-        light::{ShadePbrParams, Surroundings, SurroundingsParams, TABLE_SIDE},
+        light::{LOBE_SAMPLES, ShadePbrParams, Surroundings, SurroundingsParams, TABLE_SIDE},
         raster::{Appearance, LIGHT_POINT, LIGHT_SUN, Light, NORMALS_OF_PIXELS, ShadePhongParams, SurfacePoint},
     },
     reference::{
@@ -75,15 +75,15 @@ fn levels_of_an_environment_are_those_of_the_twin() {
         let (streams, twin) = lit_by(&map(width, height));
         let levels: Vec<[u32; 4]> = streams.levels.read().expect("reads");
         let texels: Vec<[f32; 4]> = streams.texels.read().expect("reads");
-        let expected: Vec<_> = twin.mips.iter().chain(&twin.glossy).collect();
+        let expected: Vec<_> = twin.mips.iter().chain([&twin.irradiance]).collect();
         assert_eq!((levels.len(), streams.mips as usize), (expected.len(), twin.mips.len()));
         for ([first, level_width, ..], expected) in levels.iter().zip(expected) {
             assert_eq!(*level_width as usize, expected.width);
             let found = &texels[*first as usize..][..expected.texels.len()];
             for (found, expected) in found.iter().zip(&expected.texels) {
                 let off = (0..3).map(|k| (f64::from(found[k]) - expected[k]).abs()).fold(0.0, f64::max);
-                // Angles to a few units of f32, of up to 512 samples; neighbours differ by up to 16.
-                assert!(off < 16.0 * 2e-5, "{width} x {height}, {level_width} wide: {found:?} for {expected:?}");
+                // Means of nine values of up to 16, level by level.
+                assert!(off < 16.0 * 2e-6, "{width} x {height}, {level_width} wide: {found:?} for {expected:?}");
             }
         }
     }
@@ -170,10 +170,11 @@ impl Scene {
         DVec4::from_array(self.eye.map(f64::from))
     }
 
-    /// What the device sees of an environment; mirrors alone without lobes.
-    fn surroundings(&self, environment: &EnvironmentStreams, lobes: u32) -> Vec<Surroundings> {
+    /// What the device sees of an environment; mirrors without samples.
+    fn surroundings(&self, environment: &EnvironmentStreams, samples: u32) -> Vec<Surroundings> {
         let count = self.points.len() as u32;
-        let found = Stream::new(device(), "surroundings", 24, count.into()).expect("fits");
+        let found =
+            Stream::new(device(), "surroundings", size_of::<Surroundings>() as u32, count.into()).expect("fits");
         let bound = [
             ("points", &stream("points", &self.points)),
             ("appearances", &stream("appearances", &self.appearances)),
@@ -185,7 +186,7 @@ impl Scene {
             ("surroundings", &found),
         ];
         let params =
-            SurroundingsParams { count, normals: NORMALS_OF_PIXELS, mips: environment.mips, lobes, eye: self.eye };
+            SurroundingsParams { count, normals: NORMALS_OF_PIXELS, mips: environment.mips, samples, eye: self.eye };
         run(|recorder| recorder.dispatch(&SHADERS.surroundings, count.into(), &params, &bound).expect("records"));
         found.read().expect("reads")
     }
@@ -194,20 +195,26 @@ impl Scene {
 #[test]
 fn what_fragments_see_of_an_environment_is_what_the_twin_sees() {
     let (scene, (streams, twin)) = (Scene::new(300), lit_by(&map(64, 32)));
-    let mirrors = Twin { glossy: vec![], ..twin.clone() };
-    for (lobes, twin) in [(streams.lobes(), &twin), (0, &mirrors)] {
-        let found = scene.surroundings(&streams, lobes);
+    for samples in [LOBE_SAMPLES, 0] {
+        let found = scene.surroundings(&streams, samples);
         for ((found, point), look) in found.iter().zip(&scene.points).zip(&scene.appearances) {
             let (position, normal) = (wide(point.position), wide(look.normal));
             let footprint = scene.footprint(point, normal);
-            let expected = seen(twin, position, normal, scene.eye(), look.roughness.into(), footprint);
+            let roughness = (samples > 0).then_some(f64::from(look.roughness));
+            let expected = seen(&twin, position, normal, scene.eye(), roughness, footprint);
             let off = (wide(found.diffuse) - expected.diffuse).abs().max_element();
             assert!(off < 1e-4, "{found:?} for {expected:?}");
-            let off = (wide(found.specular) - expected.specular).abs().max_element();
-            // 64 texels a turn, neighbours 16 apart, directions good to 1e-6.
-            assert!(off < 16.0 * 64.0 * 1e-6, "{found:?} for {expected:?}");
+            for (found, expected) in [(found.facing, expected.facing), (found.grazing, expected.grazing)] {
+                let off = (wide(found) - expected).abs().max_element();
+                // 64 texels a turn, neighbours 16 apart, directions good to 1e-6; weights of grazing light to as much.
+                assert!(off < 2.0 * 16.0 * 64.0 * 1e-6, "{found:?} for {expected:?}");
+            }
         }
     }
+}
+
+fn twin_of(sky: &Surroundings) -> Sky {
+    Sky { diffuse: wide(sky.diffuse), facing: wide(sky.facing), grazing: wide(sky.grazing) }
 }
 
 fn lights() -> Vec<Light> {
@@ -221,7 +228,11 @@ fn light_of_the_metallic_roughness_model_is_that_of_the_twin() {
     let (scene, table, lights) = (Scene::new(500), made_table(), lights());
     let (count, twin_table) = (scene.points.len(), Table::new());
     let sky: Vec<Surroundings> = (0..count)
-        .map(|i| Surroundings { diffuse: [0.5, 0.1 * (i % 7) as f32, 1.0], specular: [0.2, 2.0, 0.3 * (i % 5) as f32] })
+        .map(|i| Surroundings {
+            diffuse: [0.5, 0.1 * (i % 7) as f32, 1.0],
+            facing: [0.2, 2.0, 0.3 * (i % 5) as f32],
+            grazing: [0.3, 1.0, 0.2 * (i % 3) as f32],
+        })
         .collect();
     let shadows: Vec<f32> = (0..count * 2).map(|i| (i % 3) as f32 / 2.0).collect();
     for multiple_scattering in [false, true] {
@@ -252,7 +263,7 @@ fn light_of_the_metallic_roughness_model_is_that_of_the_twin() {
             let lighting =
                 Lighting { table: &twin_table, lights: &lights, shares: &shares, ambient: 0.25, multiple_scattering };
             let place = Place { position: wide(point.position), normal: wide(point.normal), eye: scene.eye() };
-            let sky = Sky { diffuse: wide(sky[i].diffuse), specular: wide(sky[i].specular) };
+            let sky = twin_of(&sky[i]);
             let expected = radiance(&widened(look), &place, &lighting, &sky);
             let off = (DVec4::from_array(found.map(f64::from)) - expected).abs().max_element();
             // The table to 1e-4; lobes to a few units of f32 over alpha, at most 1024.
@@ -276,7 +287,7 @@ fn widened(look: &Appearance) -> Seen {
 #[test]
 fn phongs_model_adds_what_mirrors_show_of_an_environment() {
     let scene = Scene::new(100);
-    let sky = Surroundings { diffuse: [0.5, 0.25, 1.0], specular: [2.0, 1.0, 0.0] };
+    let sky = Surroundings { diffuse: [0.5, 0.25, 1.0], facing: [2.0, 1.0, 0.0], grazing: [1.0; 3] };
     let count = scene.points.len();
     let shaded = Stream::new(device(), "radiance", 16, count as u64).expect("fits");
     let bound = [
@@ -298,7 +309,7 @@ fn phongs_model_adds_what_mirrors_show_of_an_environment() {
         ..ShadePhongParams::default()
     };
     run(|recorder| recorder.dispatch(&SHADERS.shade_phong, count as u64, &params, &bound).expect("records"));
-    let sky = Sky { diffuse: wide(sky.diffuse), specular: wide(sky.specular) };
+    let sky = twin_of(&sky);
     for (found, look) in shaded.read::<[f32; 4]>().expect("reads").iter().zip(&scene.appearances) {
         let look = widened(look);
         let expected = look.emissive + from_surroundings(&sky, look.base.truncate(), look.occlusion, 0.5);

@@ -94,7 +94,6 @@ fn a_mirror_sees_as_much_as_its_footprint() {
     let texels = (0..64 * 32).map(|i| [f64::from(i % 2); 4]).collect();
     let environment = Environment {
         mips: Level { width: 64, height: 32, texels, alpha_scale: 1.0 }.chain(),
-        glossy: vec![],
         irradiance: Level { width: 1, height: 1, texels: vec![[0.0; 4]], alpha_scale: 1.0 },
     };
     let d = direction(8.5 / 64.0, 0.5);

@@ -105,8 +105,8 @@ impl ImageContents {
         // Corners, number, and two nodes.
         let per_occluder = if self.shadow_lights > 0 { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
-        // The map with its mips, and what lobes see.
-        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (5 << 20));
+        // The map with its mips, and its irradiance.
+        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16));
         let maps = self.texels * 16 * 4 / 3 + environment;
         self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps
     }
@@ -124,7 +124,7 @@ impl ImageContents {
             + 16
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
-            + if self.environment.is_some() { 24 } else { 0 };
+            + if self.environment.is_some() { 36 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
         screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
     }

@@ -1,4 +1,4 @@
-//! An environment on the device: its map, the map's mips, its irradiance and what lobes see of it in one stream; and the
+//! An environment on the device: its map, the map's mips and its irradiance in one stream; and the
 //! table of what surfaces reflect.
 
 use std::sync::Arc;
@@ -6,10 +6,7 @@ use std::sync::Arc;
 use displace_glsl::{
     SHADERS,
     layout::{
-        light::{
-            BrdfAveragesParams, BrdfTableParams, EnvironmentLevelParams, LobeLevel, TABLE_SAMPLES, TABLE_SIDE,
-            lobe_levels,
-        },
+        light::{BrdfAveragesParams, BrdfTableParams, TABLE_SAMPLES, TABLE_SIDE},
         raster::MipParams,
     },
     reference::environment::{IRRADIANCE_SIZE, irradiance_over_pi},
@@ -22,7 +19,7 @@ use crate::{
 
 /// Streams that `surroundings` reads.
 pub struct EnvironmentStreams {
-    /// First texel, width, height, 0 of each level: the map, its mips, irradiance over pi, then what lobes see.
+    /// First texel, width, height, 0 of each level: the map, its mips, irradiance over pi.
     pub levels: Stream,
     /// Linear RGB, two texels to an element.
     pub texels: Stream,
@@ -52,13 +49,7 @@ impl EnvironmentStreams {
         })
     }
 
-    /// Levels that lobes see.
-    #[must_use]
-    pub fn lobes(&self) -> u32 {
-        self.layout.lobes.len() as u32
-    }
-
-    /// Makes the map's mips, then what lobes see.
+    /// Makes the map's mips.
     pub fn record(&self, recorder: &mut Recorder<'_>) -> Result<()> {
         let levels = &self.layout.levels;
         for (source, target) in levels.iter().zip(&levels[1..self.mips as usize]) {
@@ -72,22 +63,7 @@ impl EnvironmentStreams {
             };
             recorder.dispatch(&SHADERS.mip, count, &params, &[("texels", &self.texels)])?;
         }
-        let mut lobes = self.layout.lobes.iter().zip(&levels[self.mips as usize + 1..]);
-        lobes.try_for_each(|(lobe, target)| self.record_lobe(recorder, lobe, target))
-    }
-
-    fn record_lobe(&self, recorder: &mut Recorder<'_>, lobe: &LobeLevel, target: &[u32; 4]) -> Result<()> {
-        let count = pairs(target);
-        let params = EnvironmentLevelParams {
-            count: count as u32,
-            target_first: target[0],
-            target_size: lobe.size,
-            mips: self.mips,
-            samples: lobe.samples,
-            roughness: lobe.roughness,
-        };
-        let bound = [("environment_levels", &self.levels), ("environment_texels", &self.texels)];
-        Ok(recorder.dispatch(&SHADERS.environment_level, count, &params, &bound)?)
+        Ok(())
     }
 }
 
@@ -103,15 +79,13 @@ fn overlay(list: &[[f32; 4]], start: usize, first: usize, texels: &mut [[f32; 4]
 struct Layout {
     levels: Vec<[u32; 4]>,
     mips: u32,
-    lobes: Vec<LobeLevel>,
     /// Elements of the stream.
     pairs: u64,
 }
 
 impl Layout {
     fn new(width: u32, height: u32) -> Self {
-        let lobes = lobe_levels(width).to_vec();
-        let mut this = Self { levels: Vec::new(), mips: 0, lobes, pairs: 0 };
+        let mut this = Self { levels: Vec::new(), mips: 0, pairs: 0 };
         let mut size = [width, height];
         this.add(size);
         while size != [1, 1] {
@@ -120,9 +94,6 @@ impl Layout {
         }
         this.mips = this.levels.len() as u32;
         this.add(IRRADIANCE_SIZE.map(|side| side as u32));
-        for lobe in this.lobes.clone() {
-            this.add(lobe.size);
-        }
         this
     }
 

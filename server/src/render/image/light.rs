@@ -3,7 +3,7 @@
 use displace_glsl::{
     SHADERS,
     layout::{
-        light::{BackdropParams, ShadePbrParams, SurroundingsParams},
+        light::{BackdropParams, LOBE_SAMPLES, ShadePbrParams, SurroundingsParams},
         raster::{NORMALS_OF_PIXELS, NORMALS_OF_TRIANGLES, NORMALS_OF_VERTICES, ShadePhongParams},
     },
     reference::backdrop::Directions,
@@ -86,13 +86,9 @@ fn record_surroundings(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u6
     let Some(environment) = &streams.environment else { return Ok(()) };
     let params = SurroundingsParams {
         count: count as u32,
-        normals: match scene.shading {
-            Shading::Flat => NORMALS_OF_TRIANGLES,
-            Shading::Gouraud => NORMALS_OF_VERTICES,
-            Shading::Phong | Shading::Pbr => NORMALS_OF_PIXELS,
-        },
+        normals: if scene.shading == Shading::Flat { NORMALS_OF_TRIANGLES } else { NORMALS_OF_PIXELS },
         mips: environment.mips,
-        lobes: if scene.shading == Shading::Pbr { environment.lobes() } else { 0 },
+        samples: if scene.shading == Shading::Pbr { LOBE_SAMPLES } else { 0 },
         eye: eye_and_depth(&scene.camera).0,
     };
     let bound = [

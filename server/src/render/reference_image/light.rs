@@ -6,9 +6,8 @@ use displace_glsl::{
         backdrop::{Directions, backdrop},
         brdf::visible_normal,
         brdf_table::Table,
-        environment::{Environment, irradiance_over_pi},
+        environment::Environment,
         lights::incoming,
-        mip::Level,
         shade_pbr,
         shade_phong::{Reflected, from_surroundings, reflected},
         shadow_rays::Ray,
@@ -54,7 +53,7 @@ impl LightModel {
         let shading = scene.shading;
         Ok(Self {
             shade: if is_shaded { Some(Shade::new(scene, tables)?) } else { None },
-            environment: scene.lighting.environment.as_ref().map(|map| environment(map, shading)),
+            environment: scene.lighting.environment.as_ref().map(|map| environment(map)),
             table: (shading == Shading::Pbr).then(Table::new),
             shading,
             ambient: f64::from(scene.lighting.ambient),
@@ -122,13 +121,8 @@ impl LightModel {
         let change = Change { normal: still, ..hit.change };
         let v = (self.eye.truncate() - self.eye.w * hit.position).normalize();
         let footprint = mirrored_footprint(&change, visible_normal(normal, v), hit.position, self.eye);
-        let at = |position, normal| seen(environment, position, normal, self.eye, hit.look.roughness, footprint);
-        match self.shading {
-            Shading::Gouraud => {
-                Surroundings::blended(hit.corners.map(|(position, normal)| at(position, normal)), hit.weights)
-            }
-            _ => at(hit.position, normal),
-        }
+        let roughness = self.table.as_ref().map(|_| hit.look.roughness);
+        seen(environment, hit.position, normal, self.eye, roughness, footprint)
     }
 
     fn is_shadowed(&self, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> bool {
@@ -143,13 +137,6 @@ impl LightModel {
     }
 }
 
-/// Phong's model mirrors whatever the roughness.
-fn environment(map: &domain::environment::Environment, shading: Shading) -> Environment {
-    let (width, texels) = (map.width as usize, map.texels.as_slice());
-    if shading == Shading::Pbr {
-        return Environment::new(width, texels);
-    }
-    let wide = texels.iter().map(|t| vec3(*t).extend(1.0).to_array()).collect();
-    let finest = Level { width, height: map.height as usize, texels: wide, alpha_scale: 1.0 };
-    Environment { mips: finest.chain(), glossy: Vec::new(), irradiance: irradiance_over_pi(width, texels) }
+fn environment(map: &domain::environment::Environment) -> Environment {
+    Environment::new(map.width as usize, &map.texels)
 }

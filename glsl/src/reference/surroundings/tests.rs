@@ -1,16 +1,13 @@
-//! Levels, and the split sum with them, against quadrature of the same lobes.
+//! Lobes against quadrature of the same, and footprints against differences.
 
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::*;
-use crate::{
-    layout::light::{LobeLevel, lobe_levels},
-    reference::{
-        brdf::{Reflectance, albedo, visibility},
-        brdf_table::Table,
-        environment::{Environment, lookup},
-        surroundings::seen,
-    },
+use crate::reference::{
+    brdf::{Reflectance, albedo},
+    brdf_table::{Table, hammersley},
+    environment::direction,
+    mip::Level,
 };
 
 /// Sky, ground, a sun of five degrees and a soft lamp.
@@ -26,13 +23,9 @@ static MIPS: LazyLock<Vec<Level>> = LazyLock::new(|| {
     Level { width: 1024, height: 512, texels, alpha_scale: 1.0 }.chain()
 });
 
-fn level(k: usize) -> Level {
-    environment_level(&MIPS, lobe_levels(1024)[k - 1])
-}
-
 /// Integral over light of `term`, of a half vector and the light it mirrors, times D of the lobe around z: half vectors by
 /// the share of the lobe within them, closer where facets stand upright.
-fn over_lobe(alpha: f64, v: DVec3, term: impl Fn(DVec3, DVec3) -> f64) -> f64 {
+fn over_half_vectors(alpha: f64, v: DVec3, term: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let (side, squared) = (160, alpha * alpha);
     let mut sum = 0.0;
     for (i, j) in (0..side * side).map(|k| (k / side, k % side)) {
@@ -49,7 +42,7 @@ fn over_lobe(alpha: f64, v: DVec3, term: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     sum / f64::from(side * side)
 }
 
-/// Axes around n: what z stands for in `over_lobe`.
+/// Axes around n: what z stands for in `over_half_vectors`.
 fn around(n: DVec3, local: DVec3) -> DVec3 {
     let t = n.any_orthonormal_vector();
     local.x * t + local.y * n.cross(t) + local.z * n
@@ -78,55 +71,57 @@ fn error(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 #[test]
-fn a_level_is_what_its_lobe_sees_head_on() {
-    for k in [2, 3, 6, 9, 12] {
-        let level = level(k);
-        let alpha = (k as f64 / 12.0).powi(2);
-        let truth = |n: DVec3| {
-            let seen = |light: &dyn Fn(DVec3) -> f64| {
-                over_lobe(alpha, DVec3::Z, |_, l| visibility(alpha, 1.0, l.z) * l.z * light(around(n, l)))
-            };
-            seen(&light) / seen(&|_| 1.0)
-        };
-        let off = error(normals().map(|n| (lookup(&level, place(n)).x, truth(n))));
-        assert!(off < 0.02, "level {k}: {off}");
-    }
-}
-
-#[test]
-fn a_white_environment_stays_white_at_every_level() {
-    let mips = Level { width: 8, height: 4, texels: vec![[1.0; 4]; 32], alpha_scale: 1.0 }.chain();
-    for k in 1..=12 {
-        let how = LobeLevel { roughness: k as f32 / 12.0, size: [8, 4], samples: 256 };
-        let level = environment_level(&mips, how);
-        assert!(level.texels.iter().flatten().all(|x| (x - 1.0).abs() < 1e-12));
-    }
-}
-
-/// An environment that is asked for one level alone.
-fn with_level(k: usize) -> Environment {
-    let glossy = vec![level(k); 12];
-    Environment { mips: MIPS.clone(), glossy, irradiance: MIPS[5].clone() }
-}
-
-#[test]
-fn the_split_sum_is_near_the_integral_it_stands_for() {
+fn lobes_are_near_the_integral_they_stand_for() {
     let table = Table::new();
-    for k in [2, 3, 6, 9, 12] {
-        let (environment, roughness) = (with_level(k), k as f64 / 12.0);
+    let environment = Environment { mips: MIPS.clone(), irradiance: MIPS[4].clone() };
+    for k in [1, 2, 3, 6, 9, 12] {
+        let roughness = f64::from(k) / 12.0;
         let surface = Reflectance::new(DVec3::ONE, 1.0, roughness);
-        // Degrees from the normal, and what the lobe's stretch towards the horizon costs where light comes from a sun.
-        for (angle, allowed) in [(0.0f64, 0.02), (30.0, 0.04), (60.0, 0.11), (75.0, 0.18)] {
+        for angle in [0.0f64, 30.0, 60.0, 75.0] {
             let (sine, cosine) = angle.to_radians().sin_cos();
             let v = DVec3::new(sine, 0.0, cosine);
             let pair = |n: DVec3| {
                 let term = |_, l: DVec3| visibility(surface.alpha, cosine, l.z) * l.z * light(around(n, l));
-                let sky = seen(&environment, DVec3::ZERO, n, around(n, v).extend(0.0), roughness, 0.0);
-                let found = albedo(&surface, &table, cosine, true).single * sky.specular;
-                (found.x, over_lobe(surface.alpha, v, term))
+                let sky = seen(&environment, DVec3::ZERO, n, around(n, v).extend(0.0), Some(roughness), 0.0);
+                let seen = albedo(&surface, &table, cosine, true);
+                let found = (seen.single - seen.grazing) * sky.facing + seen.grazing * sky.grazing;
+                (found.x, over_half_vectors(surface.alpha, v, term))
             };
             let off = error(normals().map(pair));
-            assert!(off < allowed, "roughness {k} / 12 from {angle} degrees: {off}");
+            // 32 samples of a lobe that a sun of five degrees lies in.
+            assert!(off < 0.06, "roughness {k} / 12 from {angle} degrees: {off}");
         }
     }
+}
+
+#[test]
+fn a_white_environment_stays_white() {
+    let mips = Level { width: 8, height: 4, texels: vec![[1.0; 4]; 32], alpha_scale: 1.0 }.chain();
+    let environment = Environment { irradiance: mips[0].clone(), mips };
+    for (roughness, z) in [(0.0, 1.0), (0.0, 0.01), (0.3, 0.5), (1.0, 1.0), (1.0, 0.001)] {
+        let eye = DVec4::new(f64::sqrt(1.0 - z * z), 0.0, z, 0.0);
+        let sky = seen(&environment, DVec3::ZERO, DVec3::Z, eye, Some(roughness), 0.0);
+        for light in [sky.diffuse, sky.facing, sky.grazing] {
+            assert!((light - 1.0).abs().max_element() < 1e-12, "{roughness} {z}: {sky:?}");
+        }
+    }
+}
+
+#[test]
+fn the_footprint_is_how_far_the_mirrored_direction_moves() {
+    let eye = DVec4::new(0.3, 0.2, 4.0, 1.0);
+    // A unit ball: its normals are its places.
+    let place = |x: f64, y: f64| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
+    let mirrored = |p: DVec3| {
+        let v = (eye.truncate() - p).normalize();
+        2.0 * p.dot(v) * p - v
+    };
+    let (at, step) = ([0.4, -0.3], 1e-6);
+    let centre = place(at[0], at[1]);
+    let sides = [place(at[0] + step, at[1]), place(at[0], at[1] + step)];
+    let moved = sides.map(|p| (p - centre) / step);
+    let change = Change { normal: moved, position: moved };
+    let expected = sides.map(|p| (mirrored(p) - mirrored(centre)).length() / step);
+    let found = mirrored_footprint(&change, centre, centre, eye);
+    assert!((found - expected[0].max(expected[1])).abs() < 1e-4 * found, "{found} {expected:?}");
 }
