@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg, PresetArg,
-        SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg,
+        PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -217,6 +217,11 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         FilterArg::Anisotropic => v1::Filter::Anisotropic,
         FilterArg::Ewa => v1::Filter::Ewa,
     };
+    let alpha = match args.alpha {
+        AlphaArg::Mask => v1::AlphaMode::Mask,
+        AlphaArg::Blend => v1::AlphaMode::Blend,
+        AlphaArg::Stochastic => v1::AlphaMode::Stochastic,
+    };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
@@ -224,6 +229,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         shading: shading.into(),
         filter: filter.into(),
         environment,
+        alpha: alpha.into(),
     }
 }
 

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The alpha test: fragments that pass their material's cut-off become visible. A thread per fragment.
+// The alpha test: fragments that pass their material's cut-off, or a threshold by chance, become visible. A thread per
+// fragment.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "common.glsl"
@@ -9,6 +10,7 @@
 #include "surface_point.glsl"
 #include "material.glsl"
 #include "vertex_color.glsl"
+#include "chance.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -39,12 +41,13 @@ float alpha_of(SurfacePoint point, Material m, uint i) {
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Material m = LOAD(materials, point.material);
-    if (alpha_of(point, m, i) < m.alpha_cutoff) {
-        return;
-    }
     Fragment fragment = LOAD(fragments, i);
     ivec2 pixel = ivec2(floor(fragment.at_px));
     int s = int((fragment.at_px.y - float(pixel.y)) * 4.0);
+    bool stochastic = (m.flags & MATERIAL_STOCHASTIC) != 0u;
+    if (alpha_of(point, m, i) < (stochastic ? threshold_of(pixel, s, fragment.id) : m.alpha_cutoff)) {
+        return;
+    }
     write_visibility(fragment.id, sample_place(pixel, s), fragment.extra);
 }
 

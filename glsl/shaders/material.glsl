@@ -14,3 +14,5 @@ struct Material {
 const uint MATERIAL_UNLIT = 1u;
 // Its normals come from a map.
 const uint MATERIAL_NORMAL_MAP = 2u;
+// Samples keep it by chance, as likely as its alpha says.
+const uint MATERIAL_STOCHASTIC = 4u;

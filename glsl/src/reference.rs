@@ -26,6 +26,7 @@ pub mod jets_vector;
 pub mod keys;
 pub mod lights;
 pub mod map;
+pub mod masked;
 pub mod mip;
 pub mod normals_analytic;
 pub mod normals_geometric;

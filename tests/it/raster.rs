@@ -1,6 +1,7 @@
 //! Images: coverage, order, slabs, clipping, filtering and shading, each against the f64 oracle or against
 //! what must hold whatever the scene.
 
+mod alpha;
 mod filters;
 mod light;
 mod looks;

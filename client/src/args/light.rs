@@ -40,6 +40,17 @@ pub(crate) enum FilterArg {
     Ewa,
 }
 
+/// How materials of alpha mode BLEND are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AlphaArg {
+    /// Cut off at 0.5
+    Mask,
+    /// In layers, front to back
+    Blend,
+    /// Each sample by chance, as likely as alpha says
+    Stochastic,
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Look")]
 pub(crate) struct LightArgs {
@@ -55,4 +66,7 @@ pub(crate) struct LightArgs {
     /// How maps are read between and over their texels
     #[arg(long, value_enum, value_name = "KIND", default_value = "trilinear")]
     pub(crate) filter: FilterArg,
+    /// How materials of alpha mode BLEND are shown
+    #[arg(long, value_enum, value_name = "KIND", default_value = "blend")]
+    pub(crate) alpha: AlphaArg,
 }

@@ -239,6 +239,7 @@ pub const SAMPLES: u32 = 4;
 /// Bits of `Material::flags`.
 pub const MATERIAL_UNLIT: u32 = 1;
 pub const MATERIAL_NORMAL_MAP: u32 = 2;
+pub const MATERIAL_STOCHASTIC: u32 = 4;
 
 /// What each place of a material's map slots holds.
 pub const MAP_SLOTS: usize = 5;

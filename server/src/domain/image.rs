@@ -1,5 +1,6 @@
 //! What the renderer takes and gives: meshes, materials, a camera, and images per output.
 
+mod alpha;
 mod lighting;
 mod plan;
 
@@ -13,6 +14,7 @@ use super::{
     request::{Aov, Shadows},
 };
 
+pub use alpha::{AlphaMode, BLEND_CUTOFF, RenderAlpha};
 pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
 
@@ -107,7 +109,6 @@ pub struct RenderInstance {
     pub world_from_mesh: [f32; 16],
 }
 
-/// glTF's alpha mode MASK has a cut-off; other materials are opaque.
 #[derive(Clone, Debug, Default)]
 pub struct RenderMaterial {
     /// Linear RGBA.
@@ -122,7 +123,7 @@ pub struct RenderMaterial {
     /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1].
     pub maps: [Option<RenderMap>; MAP_SLOTS],
     pub double_sided: bool,
-    pub alpha_cutoff: Option<f32>,
+    pub alpha: RenderAlpha,
     pub unlit: bool,
 }
 

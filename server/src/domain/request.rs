@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Digest,
     detail::{Sampling, Wrap},
-    image::{Filter, RenderLight, Shading},
+    image::{AlphaMode, Filter, RenderLight, Shading},
 };
 
 /// Work to be estimated.
@@ -266,6 +266,7 @@ pub struct Look {
     pub ambient: f32,
     pub shading: Shading,
     pub filter: Filter,
+    pub alpha: AlphaMode,
     pub shadows: Shadows,
     /// Equirectangular map of radiance.
     pub environment: Option<Digest>,

@@ -109,8 +109,7 @@ pub struct Material {
     /// KHR_materials_unlit.
     pub unlit: bool,
     pub double_sided: bool,
-    /// Cut-off of alpha mode MASK.
-    pub alpha_cutoff: Option<f32>,
+    pub alpha: Alpha,
     /// KHR_materials_displacement(s): H = factor · red + offset.
     pub displacement: Option<MaterialDisplacement>,
 }
@@ -134,10 +133,22 @@ impl Default for Material {
             emissive_factor: [0.0; 3],
             unlit: false,
             double_sided: false,
-            alpha_cutoff: None,
+            alpha: Alpha::Opaque,
             displacement: None,
         }
     }
+}
+
+/// What the alpha of a base colour means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Alpha {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// Below the cut-off there is no surface.
+    Mask { cutoff: f32 },
+    /// The share of what is behind that the surface takes away.
+    Blend,
 }
 
 /// A light of KHR_lights_punctual where a node puts it.

@@ -27,7 +27,7 @@ pub(super) fn render_scene(
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials);
-    let materials = looks::materials(scene, &sets)?;
+    let materials = looks::materials(scene, &sets, request.look.alpha)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();

@@ -10,7 +10,7 @@ use super::AssetReader;
 use crate::domain::{
     Digest, Error, Result,
     environment::Environment,
-    image::{ColorMap, LightShape, Lighting, RenderLight, RenderMap, RenderMaterial},
+    image::{AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderLight, RenderMap, RenderMaterial},
     maps::{self, Encoding},
     report::Warning,
     request::Look,
@@ -59,7 +59,7 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
 }
 
 /// The scene's materials, then one for primitives without.
-pub(super) fn materials(scene: &mut Scene, sets: &UvSets) -> Result<Vec<RenderMaterial>> {
+pub(super) fn materials(scene: &mut Scene, sets: &UvSets, alpha: AlphaMode) -> Result<Vec<RenderMaterial>> {
     let mut images = Images { decoded: HashMap::new(), texels: 0 };
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&Material::default()]) {
@@ -72,7 +72,7 @@ pub(super) fn materials(scene: &mut Scene, sets: &UvSets) -> Result<Vec<RenderMa
                 wrap: texture.wrap,
             });
         }
-        materials.push(render_material(material, maps));
+        materials.push(render_material(material, maps, alpha));
     }
     Ok(materials)
 }
@@ -111,7 +111,7 @@ fn of_file(scene: &mut Scene, image: usize, encoding: Encoding) -> Option<Arc<Co
     }
 }
 
-fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS]) -> RenderMaterial {
+fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS], alpha: AlphaMode) -> RenderMaterial {
     RenderMaterial {
         base_color_factor: material.base_color_factor,
         metallic_factor: material.metallic_factor,
@@ -121,7 +121,7 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS]) ->
         occlusion_strength: material.occlusion_strength,
         maps,
         double_sided: material.double_sided,
-        alpha_cutoff: material.alpha_cutoff,
+        alpha: RenderAlpha::new(material.alpha, alpha),
         unlit: material.unlit,
     }
 }

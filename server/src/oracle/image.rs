@@ -106,21 +106,28 @@ impl<'s> Camera<'s> {
     }
 
     fn radiance(&self, ray: &Segment) -> DVec3 {
-        let Some(seen) = self.world.seen(ray) else {
-            return DVec3::from_array(self.lighting.background.map(f64::from));
-        };
+        let (mut color, mut passes) = (DVec3::ZERO, 1.0);
+        for seen in self.world.layers(ray) {
+            color += passes * seen.alpha * self.reflected(ray, &seen);
+            passes *= 1.0 - seen.alpha;
+        }
+        color + passes * DVec3::from_array(self.lighting.background.map(f64::from))
+    }
+
+    /// Radiance of a point towards where the ray comes from.
+    fn reflected(&self, ray: &Segment, seen: &Seen) -> DVec3 {
         if seen.look.unlit {
             return seen.look.base.truncate();
         }
         let eye = self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
         let of_light = |light| {
-            let color = direct(self.shading, light, &seen, eye);
+            let color = direct(self.shading, light, seen, eye);
             let towards = arriving(light, seen.position);
             let is_dark = color == DVec3::ZERO
-                || (self.shadows && self.world.is_shadowed(&seen, towards.direction, towards.distance));
+                || (self.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
             if is_dark { DVec3::ZERO } else { color }
         };
-        indirect(self.lighting, &seen) + self.lighting.lights.iter().map(of_light).sum::<DVec3>()
+        indirect(self.lighting, seen) + self.lighting.lights.iter().map(of_light).sum::<DVec3>()
     }
 }
 

@@ -6,10 +6,11 @@ mod place;
 mod shading;
 
 use displace_glsl::{
-    layout::raster::{INSTANCE_ROWS, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
+    layout::raster::{INSTANCE_ROWS, MATERIAL_STOCHASTIC, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
     reference::{
         clip::clip,
         downsample::downsample,
+        masked::threshold,
         raster::{SAMPLES, ScreenTriangle},
         transform::{Snapped, homogeneous, needs_clip, snapped},
     },
@@ -227,20 +228,24 @@ impl<'a> Oracle<'a> {
                 }
                 let (depth, known) = (piece.triangle.depth_at(at), &mut seen[x as usize][s]);
                 let nearer = depth > known.depth || (depth == known.depth && piece.id < known.id);
-                if nearer && self.is_opaque(piece.id, at) {
+                if nearer && self.is_kept(piece.id, [x as u32, y], s) {
                     *known = Seen { depth, id: piece.id };
                 }
             }
         }
     }
 
-    fn is_opaque(&self, id: u32, at: [i64; 2]) -> bool {
+    /// By sample `s` of a pixel, before depth is decided.
+    fn is_kept(&self, id: u32, pixel: [u32; 2], s: usize) -> bool {
         let part = self.part(id);
         if part.flags & PART_MASKED == 0 {
             return true;
         }
-        let cutoff = f64::from(self.tables.materials[part.material as usize].alpha_cutoff);
-        self.hit(id, at.map(|x| x as f64 / 256.0)).look.base.w >= cutoff
+        let material = &self.tables.materials[part.material as usize];
+        let by_chance = material.flags & MATERIAL_STOCHASTIC != 0;
+        let cutoff = if by_chance { threshold(pixel, s as u32, id) } else { f64::from(material.alpha_cutoff) };
+        let at_px = [0, 1].map(|axis| f64::from(pixel[axis]) + SAMPLES[s][axis] as f64 / 256.0);
+        self.hit(id, at_px).look.base.w >= cutoff
     }
 
     fn pixel(&self, x: u32, y: u32, samples: &[Seen; 4]) -> Pixel {

@@ -8,7 +8,8 @@ use displace_server::domain::{
     detail::Wrap,
     environment::Environment,
     image::{
-        ColorMap, Filter, ImagePlan, LightShape, Lighting, RenderLight, RenderMap, RenderMaterial, RenderScene, Shading,
+        ColorMap, Filter, ImagePlan, LightShape, Lighting, RenderAlpha, RenderLight, RenderMap, RenderMaterial,
+        RenderScene, Shading,
     },
     request::Shadows,
 };
@@ -168,7 +169,7 @@ fn holes_of_a_fence_let_light_through() {
     let mut builder = Builder::lit(view_camera([0.0, 3.0, 0.01], [0.0; 3], 40.0, 96, 96));
     let mut fence = RenderMaterial { base_color_factor: [1.0; 4], double_sided: true, ..RenderMaterial::default() };
     fence.maps[MAP_BASE_COLOR] = used(checker(16, 16));
-    fence.alpha_cutoff = Some(0.5);
+    fence.alpha = RenderAlpha::Mask { cutoff: 0.5 };
     let mut raised = IDENTITY;
     (raised[0], raised[10], raised[13]) = (0.5, 0.5, 0.5);
     builder.add(render_mesh(&meshes::plane(1)), fence, raised);

@@ -6,7 +6,10 @@ use displace_glsl::layout::raster::MAP_BASE_COLOR;
 use displace_server::domain::{
     camera::render_camera,
     detail::Wrap,
-    image::{ColorMap, Lighting, RenderCamera, RenderInstance, RenderMap, RenderMaterial, RenderMesh, RenderScene},
+    image::{
+        ColorMap, Lighting, RenderAlpha, RenderCamera, RenderInstance, RenderMap, RenderMaterial, RenderMesh,
+        RenderScene,
+    },
     request::CameraChoice,
     scene::Scene,
 };
@@ -117,7 +120,7 @@ pub(crate) fn checker(width: u32, height: u32) -> Arc<ColorMap> {
 pub(crate) fn masked_grid(size: u32) -> RenderScene {
     let mut builder = Builder::unlit(view_camera([0.0, 1.3, 0.4], [0.0; 3], 50.0, size, size));
     let mut fence = material([1.0; 3], Some(checker(16, 16)));
-    fence.alpha_cutoff = Some(0.5);
+    fence.alpha = RenderAlpha::Mask { cutoff: 0.5 };
     builder.add(render_mesh(&meshes::plane(60)), fence.clone(), IDENTITY);
     let mut raised = IDENTITY;
     (raised[0], raised[10], raised[13]) = (0.4, 0.4, 0.3);

@@ -4,7 +4,7 @@ use super::{displacement::SPELLINGS, json::At};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
-    scene::{Material, MaterialDisplacement, TextureUse},
+    scene::{Alpha, Material, MaterialDisplacement, TextureUse},
 };
 
 pub(super) fn read_all(root: &At<'_>) -> Result<Vec<Material>> {
@@ -20,8 +20,6 @@ fn material(root: &At<'_>, at: &At<'_>) -> Result<Material> {
     let (normal, occlusion) = (at.get("normalTexture"), at.get("occlusionTexture"));
     let scale = normal.as_ref().map_or(Ok(None), |texture| texture.number("scale"))?;
     let strength = occlusion.as_ref().map_or(Ok(None), |texture| share(texture, "strength"))?;
-    let masked = at.text("alphaMode")? == Some("MASK");
-    let cutoff = at.number("alphaCutoff")?.unwrap_or(0.5) as f32;
     Ok(Material {
         name: at.text("name")?.map(str::to_owned),
         base_color_factor: factor.map_or([1.0; 4], |f| f.map(|c| c as f32)),
@@ -39,8 +37,18 @@ fn material(root: &At<'_>, at: &At<'_>) -> Result<Material> {
         emissive_factor: emissive(at)?,
         unlit: at.extension("KHR_materials_unlit").is_some(),
         double_sided: at.flag("doubleSided")?,
-        alpha_cutoff: masked.then_some(cutoff),
+        alpha: alpha(at)?,
         displacement: displacement(root, at)?,
+    })
+}
+
+/// Modes that the format does not know are opaque, as its default is.
+fn alpha(at: &At<'_>) -> Result<Alpha> {
+    let cutoff = at.number("alphaCutoff")?.unwrap_or(0.5) as f32;
+    Ok(match at.text("alphaMode")? {
+        Some("MASK") => Alpha::Mask { cutoff },
+        Some("BLEND") => Alpha::Blend,
+        _ => Alpha::Opaque,
     })
 }
 

@@ -5,7 +5,7 @@ use displace_proto::v1;
 use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
-    image::{Filter, LightShape, RenderLight, Shading},
+    image::{AlphaMode, Filter, LightShape, RenderLight, Shading},
     request::{Look, Shadows},
 };
 
@@ -37,6 +37,11 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::Filter::Unspecified | v1::Filter::Trilinear => Filter::Trilinear,
             v1::Filter::Anisotropic => Filter::Anisotropic,
             v1::Filter::Ewa => Filter::Ewa,
+        },
+        alpha: match known::<v1::AlphaMode>(&join(path, "alpha"), lighting.alpha)? {
+            v1::AlphaMode::Mask => AlphaMode::Mask,
+            v1::AlphaMode::Unspecified | v1::AlphaMode::Blend => AlphaMode::Blend,
+            v1::AlphaMode::Stochastic => AlphaMode::Stochastic,
         },
     })
 }

@@ -34,6 +34,7 @@ pub(super) struct World<'s> {
     parts: Vec<Part>,
     view_mirrored: bool,
     residual_world: f64,
+    has_layers: bool,
 }
 
 /// What a ray sees.
@@ -46,6 +47,8 @@ pub(super) struct Seen {
     /// In the set of the base colour map.
     pub(super) uv: DVec2,
     pub(super) look: Look,
+    /// Share of what is behind that it takes away.
+    pub(super) alpha: f64,
     /// Positions and shading normals of the vertices, on the side that is seen.
     pub(super) vertices: [(DVec3, DVec3); 3],
     pub(super) weights: DVec3,
@@ -77,17 +80,34 @@ impl<'s> World<'s> {
             triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first_vertex as u32)));
         }
         let (tracer, residual_world) = (Tracer::new(positions, triangles), scene.residual_world());
-        Ok(Self { scene, tracer, parts, view_mirrored, residual_world })
+        let has_layers = scene.materials.iter().any(|material| material.alpha.is_blended());
+        Ok(Self { scene, tracer, parts, view_mirrored, residual_world, has_layers })
     }
 
     /// The nearest point that is there and turned to the ray.
     pub(super) fn seen(&self, ray: &Segment) -> Option<Seen> {
-        let shows = |hit: &Hit| {
-            let part = self.part(hit.triangle);
-            let faces = self.material(part).double_sided || self.is_front(part, hit);
-            faces && self.is_opaque(part, hit)
-        };
+        let shows = |hit: &Hit| self.faces(hit) && self.is_opaque(self.part(hit.triangle), hit);
         self.tracer.first_hit_where(ray, shows).map(|hit| self.surface(ray, &hit))
+    }
+
+    /// All that is seen, one through the other, the nearest first: blended surfaces, and what is behind them.
+    pub(super) fn layers(&self, ray: &Segment) -> Vec<Seen> {
+        if !self.has_layers {
+            return self.seen(ray).into_iter().collect();
+        }
+        let is_blended = |hit: &Hit| self.material(self.part(hit.triangle)).alpha.is_blended();
+        let closes = |hit: &Hit| !is_blended(hit) && self.faces(hit) && self.is_opaque(self.part(hit.triangle), hit);
+        let last = self.tracer.first_hit_where(ray, closes);
+        let is_before = |hit: &Hit| last.is_none_or(|last| (hit.t, hit.triangle) < (last.t, last.triangle));
+        let mut hits = self.tracer.hits(ray);
+        hits.retain(|hit| is_blended(hit) && self.faces(hit) && is_before(hit));
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        hits.iter().chain(&last).map(|hit| self.surface(ray, hit)).collect()
+    }
+
+    fn faces(&self, hit: &Hit) -> bool {
+        let part = self.part(hit.triangle);
+        self.material(part).double_sided || self.is_front(part, hit)
     }
 
     /// Whether anything is between a point that is seen and a light so far in a unit direction. Both sides of a
@@ -113,10 +133,9 @@ impl<'s> World<'s> {
     }
 
     fn is_opaque(&self, part: &Part, hit: &Hit) -> bool {
-        match self.material(part).alpha_cutoff {
-            Some(cutoff) if cutoff > 0.0 => alpha(self.material(part), &self.corners(part, hit)) >= f64::from(cutoff),
-            _ => true,
-        }
+        let material = self.material(part);
+        let cutoff = f64::from(material.alpha.cutoff());
+        cutoff == 0.0 || alpha(material, &self.corners(part, hit)) >= cutoff
     }
 
     fn vertices(&self, part: &Part, hit: &Hit) -> (&'s OracleMesh, [usize; 3]) {
@@ -136,12 +155,14 @@ impl<'s> World<'s> {
         let normals = v.map(|v| in_world(vertex_normal(v)));
         let facing = (b - a).cross(c - a).normalize_or_zero();
         let corners = self.corners(part, hit);
+        let look = look(self.material(part), &corners, normal, side, part.world_from_mesh);
         Seen {
             triangle: hit.triangle,
             position: blend(hit.barycentrics, [a, b, c]),
             facing: if facing.dot(ray.direction) > 0.0 { -facing } else { facing },
             uv: corners.uv_of_base_color(self.material(part)),
-            look: look(self.material(part), &corners, normal, side, part.world_from_mesh),
+            alpha: if self.material(part).alpha.is_blended() { look.base.w.clamp(0.0, 1.0) } else { 1.0 },
+            look,
             vertices: [(a, normals[0]), (b, normals[1]), (c, normals[2])],
             weights: hit.barycentrics,
         }

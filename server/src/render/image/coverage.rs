@@ -6,13 +6,14 @@ use displace_glsl::{
 };
 
 use super::tables::wrap_numbers;
-use crate::domain::image::{ColorMap, RenderMaterial};
+use crate::domain::image::{ColorMap, RenderAlpha, RenderMaterial};
 
 /// Of each level of the material's base colour map; `None` where nothing is cut off.
 pub(crate) fn alpha_scales(material: &RenderMaterial) -> Option<Vec<f32>> {
     let map = material.maps[MAP_BASE_COLOR].as_ref()?;
+    let RenderAlpha::Mask { cutoff } = material.alpha else { return None };
     // What the map must reach; above 1 or at 0 nothing is decided by it.
-    let cutoff = f64::from(material.alpha_cutoff?) / f64::from(material.base_color_factor[3]);
+    let cutoff = f64::from(cutoff) / f64::from(material.base_color_factor[3]);
     if !(cutoff > 0.0 && cutoff <= 1.0) || map.map.texels.iter().all(|texel| texel[3] == 1.0) {
         return None;
     }

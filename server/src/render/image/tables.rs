@@ -4,15 +4,18 @@
 use std::ops::Range;
 
 use displace_glsl::layout::raster::{
-    INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_UNLIT,
-    Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part, TextureUse,
+    INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_STOCHASTIC,
+    MATERIAL_UNLIT, Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part, TextureUse,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
 use crate::domain::{
     Error, Result,
     detail::Wrap,
-    image::{ImagePlan, LightShape, RenderCamera, RenderLight, RenderMap, RenderMaterial, RenderMesh, RenderScene},
+    image::{
+        ImagePlan, LightShape, RenderAlpha, RenderCamera, RenderLight, RenderMap, RenderMaterial, RenderMesh,
+        RenderScene,
+    },
 };
 
 /// Screen vertices of a batch, unless a single instance has more: 128 MiB.
@@ -151,14 +154,14 @@ fn places(meshes: &[RenderMesh]) -> Vec<MeshPlace> {
 
 fn material_flags(material: &RenderMaterial) -> u32 {
     let double_sided = if material.double_sided { PART_DOUBLE_SIDED } else { 0 };
-    // A cut-off of 0 lets everything pass.
-    let masked = if material.alpha_cutoff.is_some_and(|cutoff| cutoff > 0.0) { PART_MASKED } else { 0 };
+    let masked = if material.alpha.cutoff() > 0.0 { PART_MASKED } else { 0 };
     double_sided | masked
 }
 
 fn material(material: &RenderMaterial) -> Material {
     let unlit = if material.unlit { MATERIAL_UNLIT } else { 0 };
     let normal_map = if material.maps[MAP_NORMAL].is_some() { MATERIAL_NORMAL_MAP } else { 0 };
+    let stochastic = if material.alpha == RenderAlpha::Stochastic { MATERIAL_STOCHASTIC } else { 0 };
     Material {
         base_color: material.base_color_factor,
         emissive: material.emissive_factor,
@@ -166,8 +169,8 @@ fn material(material: &RenderMaterial) -> Material {
         roughness: material.roughness_factor,
         normal_scale: material.normal_scale,
         occlusion_strength: material.occlusion_strength,
-        alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
-        flags: unlit | normal_map,
+        alpha_cutoff: material.alpha.cutoff(),
+        flags: unlit | normal_map | stochastic,
     }
 }
 
