@@ -8,6 +8,7 @@
 #include "pages.glsl"
 #include "coverage.glsl"
 #include "fragment.glsl"
+#include "visibility_key.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -22,12 +23,6 @@ PAGED(1, , uint, fragment_count);
 PAGED(2, writeonly, Fragment, fragments);
 // First fragment and, in the low three bits, their number.
 PAGED(3, writeonly, uint, pixels);
-
-const uint NOTHING = 0xFFFFFFFFu;
-
-uint id_of(uint64_t key) {
-    return key == 0ul ? NOTHING : 0xFFFFFFFFu - uint(key & 0xFFFFFFFFul);
-}
 
 void element(uint i) {
     uint width = uint(params.slab_size_px.x);

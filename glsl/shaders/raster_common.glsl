@@ -1,5 +1,6 @@
 // What the passes that cover samples share: parameters, streams, and what happens to a covered sample. It
-// goes to the visibility buffer; with MASKED defined it becomes a fragment, whose alpha later passes test.
+// goes to the visibility buffer; with MASKED defined it becomes a fragment, whose alpha later passes test; with
+// PEELED defined it goes there only from between the layer before and what is solid.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "common.glsl"
@@ -33,6 +34,18 @@ void cover_sample(uint id, ivec2 pixel, int s, float depth) {
     uint place = atomicAdd(ELEMENT(fragment_count, 0u), 1u);
     vec2 at_px = vec2(pixel) + vec2(float(sample_x(s)), float(sample_y(s))) / 256.0;
     STORE(fragments, place, Fragment(id, at_px, floatBitsToUint(depth)));
+}
+#elif defined(PEELED)
+// Keys of what is solid, and of the layer before this one.
+PAGED(1, readonly, uint64_t, solid);
+PAGED(2, readonly, uint64_t, nearer);
+
+void cover_sample(uint id, ivec2 pixel, int s, float depth) {
+    uint place = sample_place(pixel, s);
+    uint64_t key = key_of(id, floatBitsToUint(depth));
+    if (key > LOAD(solid, place) && key < LOAD(nearer, place)) {
+        write_visibility(id, place, floatBitsToUint(depth));
+    }
 }
 #else
 void cover_sample(uint id, ivec2 pixel, int s, float depth) {

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The images of the slab: a thread per pixel adds its shaded fragments by coverage. The other outputs come
+// The images of the slab: a thread per pixel adds its shaded fragments by coverage, or takes what `composite` made of
+// layers. The other outputs come
 // from the triangle that covers most samples, of equals the one that covers the first of them; they are
 // empty where nothing covers more samples than any triangle.
 #include "common.glsl"
@@ -18,6 +19,7 @@ layout(push_constant, scalar) uniform Params {
     vec3 background;
     uint has_backdrop; // `backdrop` is shown instead
     uint uv_channels;
+    uint has_layers; // colours are those of `layered`
 } params;
 
 PAGED(0, readonly, uint, pixels);
@@ -33,6 +35,8 @@ PAGED(9, writeonly, vec3, position_out);
 PAGED(10, writeonly, vec2, uv_out);
 PAGED(11, writeonly, uint, triangle_out);
 PAGED(12, readonly, vec3, backdrop);
+PAGED(13, readonly, vec3, layered);
+PAGED(14, readonly, float, transmittance); // of samples
 
 const uint OUTPUT_DEPTH = 1u;
 const uint OUTPUT_NORMAL = 2u;
@@ -92,8 +96,16 @@ void element(uint i) {
             shown = first + k;
         }
     }
-    if (empty > 0u) {
-        color += (params.has_backdrop != 0u ? LOAD(backdrop, i) : params.background) * (0.25 * float(empty));
+    float passes = float(empty);
+    if (params.has_layers != 0u) {
+        color = LOAD(layered, i);
+        passes = 0.0;
+        for (uint s = 0u; s < 4u; ++s) {
+            passes += LOAD(transmittance, i * 4u + s);
+        }
+    }
+    if (passes > 0.0) {
+        color += (params.has_backdrop != 0u ? LOAD(backdrop, i) : params.background) * (0.25 * passes);
     }
     STORE(color_out, i, vec4(color, 1.0));
     bool something = most > 0u && most >= empty;

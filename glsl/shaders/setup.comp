@@ -21,6 +21,7 @@ layout(push_constant, scalar) uniform Params {
     ivec2 slab_px;      // top left
     ivec2 slab_size_px;
     uint capacity;
+    uint blended; // sort what is blended, and nothing else; 0: all else
 } params;
 
 PAGED(0, readonly, uvec3, triangles);
@@ -71,6 +72,9 @@ bool faces_away(ivec2 a, ivec2 b, ivec2 c, uint part_flags) {
 
 uint classify(uint id) {
     FIND_PART(id, params.part_first, params.part_last, part)
+    if (((part.flags & PART_BLENDED) != 0u) != (params.blended != 0u)) {
+        return DROPPED;
+    }
     uvec3 v = LOAD(triangles, part.triangle_base + (id - part.first_triangle)) + part.screen_base;
     ivec4 a = LOAD(screen, v.x);
     ivec4 b = LOAD(screen, v.y);

@@ -96,7 +96,7 @@ Crossing crossing(Sheared ray, uint first_corner) {
 
 bool is_opaque(uint id, vec3 weights) {
     FIND_PART(id, 0u, params.part_last, part)
-    if ((part.flags & PART_MASKED) == 0u) {
+    if ((part.flags & (PART_MASKED | PART_BLENDED)) == 0u) {
         return true;
     }
     SurfacePoint point;

@@ -1,7 +1,7 @@
-// The visibility buffer: one 64-bit key per sample of the slab, depth bits above, the complement of the
-// triangle id below. The largest key wins: the nearest triangle (depth is reversed), and of equal depths
-// the smallest id, whatever the order of execution.
+// The visibility buffer: one 64-bit key per sample of the slab. The largest wins: the nearest triangle, and of
+// equal depths the smallest id, whatever the order of execution.
 // Needs `visibility` and params.slab_px, params.slab_size_px in scope.
+#include "visibility_key.glsl"
 
 uint sample_place(ivec2 pixel, int s) {
     ivec2 place = pixel - params.slab_px;
@@ -15,6 +15,6 @@ bool may_be_visible(uint place, uint depth_bits) {
 
 void write_visibility(uint id, uint place, uint depth_bits) {
     if (may_be_visible(place, depth_bits)) {
-        atomicMax(ELEMENT(visibility, place), packUint2x32(uvec2(0xFFFFFFFFu - id, depth_bits)));
+        atomicMax(ELEMENT(visibility, place), key_of(id, depth_bits));
     }
 }

@@ -11,6 +11,7 @@ pub mod brdf_table;
 pub mod clip;
 pub mod collapse;
 pub mod compact;
+pub mod composite;
 pub mod displace;
 pub mod displace_expression;
 pub mod displace_vector;

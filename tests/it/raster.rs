@@ -14,7 +14,7 @@ use displace_server::{
     domain::{
         cancel::{Cancel, NoProgress},
         encode::encode,
-        image::{ImagePlan, ImageSet, RenderScene},
+        image::{ImagePlan, ImageSet, RenderAlpha, RenderScene},
         request::{Aov, ImageFormat},
     },
     render::{JobContext, image, reference_image},
@@ -201,7 +201,7 @@ fn the_size_of_the_slabs_changes_nothing() {
 
 #[test]
 fn pages_staging_and_batches_change_no_byte() {
-    let scenes = [still_life(None), scenes::masked_grid(8)];
+    let scenes = [still_life(None), scenes::masked_grid(8), alpha::waves(None, RenderAlpha::Blend)];
     let ways = [
         Testing { page_shift: Some(14), ..Testing::default() },
         Testing { force_staging: true, ..Testing::default() },

@@ -45,9 +45,9 @@ pub(crate) enum FilterArg {
 pub(crate) enum AlphaArg {
     /// Cut off at 0.5
     Mask,
-    /// In layers, front to back
+    /// In layers from front to back, up to 8
     Blend,
-    /// Each sample by chance, as likely as alpha says
+    /// Each sample by chance, as likely as alpha says: noise that more samples lessen
     Stochastic,
 }
 

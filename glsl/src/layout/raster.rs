@@ -109,6 +109,7 @@ mirrors! {
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
         pub capacity: u32,
+        pub blended: u32,
     }
 
     /// Push constants of every `raster_*` pass.
@@ -193,6 +194,12 @@ mirrors! {
         pub background: [f32; 3],
         pub has_backdrop: u32,
         pub uv_channels: u32,
+        pub has_layers: u32,
+    }
+
+    pub struct CompositeParams {
+        pub count: u32,
+        pub solid: u32,
     }
 
     pub struct DownsampleParams {
@@ -215,6 +222,7 @@ pub const PART_MIRRORED: u32 = 1;
 pub const PART_DOUBLE_SIDED: u32 = 2;
 pub const PART_MASKED: u32 = 4;
 pub const PART_COLORED: u32 = 8;
+pub const PART_BLENDED: u32 = 16;
 
 /// Rows of `instance_rows` for each instance.
 pub const INSTANCE_ROWS: usize = 10;

@@ -281,6 +281,7 @@ mod tests {
             uv: Some(vec![[0.25, 1.75], [0.0, 0.0]]),
             triangle: Some(vec![7, u32::MAX]),
             clip_from_world: Some(std::array::from_fn(|k| k as f32)),
+            layers_left_out: false,
         }
     }
 

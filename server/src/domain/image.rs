@@ -66,6 +66,7 @@ impl RenderScene {
             uv_channels: self.uv_channels,
             shadow_lights: if self.shadows == Shadows::Ray { self.lighting.lights.len() as u32 } else { 0 },
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
+            has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),
@@ -179,4 +180,6 @@ pub struct ImageSet {
     pub triangle: Option<Vec<u32>>,
     /// Of the camera, column-major.
     pub clip_from_world: Option<[f32; 16]>,
+    /// In some places more blended surfaces lie one behind the other than are shown.
+    pub layers_left_out: bool,
 }

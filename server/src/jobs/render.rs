@@ -1,5 +1,7 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
+use displace_glsl::reference::composite::MAX_LAYERS;
+
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, fits, images, inputs,
     inputs::Inputs, looks, plans, seams, strain, work::canonical,
@@ -10,7 +12,7 @@ use crate::{
         cancel::{Cancel, NoProgress},
         encode,
         image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting},
-        report::{Estimate, PassTime, Report},
+        report::{Estimate, PassTime, Report, Warning},
         request::{ImageFormat, RenderRequest, Shadows},
     },
     oracle::{self, image::Exposure},
@@ -101,6 +103,9 @@ impl RenderWork {
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
         let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
+        if images.layers_left_out {
+            inputs.scene.warnings.push(layers_left_out());
+        }
         let samples = plan.rays.map_or(plan.samples * plan.supersample.pow(2), |rays| rays.samples);
         let settings = self.settings(samples, scene.lighting.clone(), 0.0, context.executor);
         Ok(Taken { images, settings, passes })
@@ -133,6 +138,13 @@ impl RenderWork {
         let device = executor.device_name().into();
         ImageSettings { samples, shadows, lighting, device, build: BUILD_ID.into(), residual_world }
     }
+}
+
+fn layers_left_out() -> Warning {
+    let message = format!(
+        "in places more than {MAX_LAYERS} blended surfaces lie one behind the other, and those farther away are not shown: --alpha stochastic or mask shows all"
+    );
+    Warning::new("layers_left_out", message)
 }
 
 /// The image's plan as far as it is known, its base colour maps excepted: before the work, of what the surfaces have

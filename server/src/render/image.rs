@@ -3,6 +3,7 @@
 
 pub(crate) mod coverage;
 pub mod environment;
+mod layers;
 pub(crate) mod light;
 pub(crate) mod shading;
 mod streams;
@@ -53,6 +54,9 @@ pub fn render(
     let slabs = slabs(&fine);
     for (done, slab) in slabs.iter().enumerate() {
         visibility::fill(&mut run, &frame, *slab, done == 0)?;
+        if tables.has_layers {
+            images.layers_left_out |= layers::shade(&mut run, &frame, *slab)?;
+        }
         shading::shade(&mut run, &frame, *slab)?;
         shading::copy_out(&work, *slab, side, &mut images)?;
         job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
@@ -136,6 +140,7 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
         uv: wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]),
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
         clip_from_world: Some(scene.camera.clip_from_world()),
+        layers_left_out: false,
     }
 }
 

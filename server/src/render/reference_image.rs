@@ -1,14 +1,18 @@
 //! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
 //! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
+mod layers;
 mod light;
 mod place;
 mod shading;
 
 use displace_glsl::{
-    layout::raster::{INSTANCE_ROWS, MATERIAL_STOCHASTIC, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part},
+    layout::raster::{
+        INSTANCE_ROWS, MATERIAL_STOCHASTIC, PART_BLENDED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
+    },
     reference::{
         clip::clip,
+        composite::Layered,
         downsample::downsample,
         masked::threshold,
         raster::{SAMPLES, ScreenTriangle},
@@ -39,13 +43,13 @@ use super::{
     },
 };
 
+use layers::{NOTHING, Samples, Seen, distinct};
 use light::LightModel;
 use place::Place;
 use shading::{Hit, Shader};
 
 /// Pixel rows whose triangles are listed together.
 const BAND_ROWS: u32 = 16;
-const NOTHING: u32 = u32::MAX;
 
 pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
     let start = std::time::Instant::now();
@@ -86,9 +90,10 @@ fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
 
 /// A row from the `side` rows of a finer image: mean colours, and what is seen right below the middle of each square.
 fn averaged(mut rows: Vec<Vec<Pixel>>, side: usize) -> Vec<Pixel> {
+    let layers_left_out = rows.iter().flatten().any(|pixel| pixel.layers_left_out);
     let colors: Vec<Vec<DVec3>> = rows.iter().map(|row| row.iter().map(|pixel| pixel.color).collect()).collect();
     let middle = rows.swap_remove(side / 2).into_iter().skip(side / 2).step_by(side);
-    middle.zip(downsample(&colors, side)).map(|(pixel, color)| Pixel { color, ..pixel }).collect()
+    middle.zip(downsample(&colors, side)).map(|(pixel, color)| Pixel { color, layers_left_out, ..pixel }).collect()
 }
 
 /// A triangle, or a piece of one, on the screen.
@@ -110,24 +115,17 @@ fn bands(pieces: &[Piece], height: u32) -> Vec<Vec<u32>> {
     bands
 }
 
-/// Nearest triangle of a sample: reversed depth and id.
-#[derive(Clone, Copy)]
-struct Seen {
-    depth: f64,
-    id: u32,
-}
-
-const EMPTY: Seen = Seen { depth: -1.0, id: NOTHING };
-
 /// What the images hold of one pixel.
 struct Pixel {
     color: DVec3,
     hit: Option<(u32, Hit)>,
     depth: f64,
+    layers_left_out: bool,
 }
 
 impl Pixel {
     fn store(self, i: usize, images: &mut ImageSet) {
+        images.layers_left_out |= self.layers_left_out;
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some((id, hit)) = self.hit else { return };
         set(&mut images.depth, i, self.depth as f32);
@@ -209,14 +207,15 @@ impl<'a> Oracle<'a> {
     }
 
     fn row(&self, y: u32, pieces: &[Piece], band: &[u32]) -> Vec<Pixel> {
-        let mut seen = vec![[EMPTY; 4]; self.width as usize];
+        let mut seen = vec![Samples::default(); self.width as usize];
         for &index in band {
             self.cover_row(y, &pieces[index as usize], &mut seen);
         }
         seen.iter().enumerate().map(|(x, samples)| self.pixel(x as u32, y, samples)).collect()
     }
 
-    fn cover_row(&self, y: u32, piece: &Piece, seen: &mut [[Seen; 4]]) {
+    fn cover_row(&self, y: u32, piece: &Piece, seen: &mut [Samples]) {
+        let is_blended = self.part(piece.id).flags & PART_BLENDED != 0;
         let [low, high] = piece.triangle.bounds();
         let first = low[0].div_euclid(256).max(0);
         let last = high[0].div_euclid(256).min(i64::from(self.width) - 1);
@@ -226,10 +225,11 @@ impl<'a> Oracle<'a> {
                 if !piece.triangle.covers(at) {
                     continue;
                 }
-                let (depth, known) = (piece.triangle.depth_at(at), &mut seen[x as usize][s]);
-                let nearer = depth > known.depth || (depth == known.depth && piece.id < known.id);
-                if nearer && self.is_kept(piece.id, [x as u32, y], s) {
-                    *known = Seen { depth, id: piece.id };
+                let (new, known) = (Seen { depth: piece.triangle.depth_at(at), id: piece.id }, &mut seen[x as usize]);
+                if is_blended {
+                    known.blended[s].push(new);
+                } else if new.is_before(&known.solid[s]) && self.is_kept(piece.id, [x as u32, y], s) {
+                    known.solid[s] = new;
                 }
             }
         }
@@ -248,29 +248,50 @@ impl<'a> Oracle<'a> {
         self.hit(id, at_px).look.base.w >= cutoff
     }
 
-    fn pixel(&self, x: u32, y: u32, samples: &[Seen; 4]) -> Pixel {
-        let empty = samples.iter().filter(|s| s.id == NOTHING).count();
-        let background = if empty > 0 { self.light.backdrop(x, y) } else { DVec3::ZERO };
-        let mut pixel = Pixel { color: background * (0.25 * empty as f64), hit: None, depth: f64::INFINITY };
-        let mut most = empty.saturating_sub(1);
-        for (first, sample) in samples.iter().enumerate() {
-            let known = samples[..first].iter().any(|earlier| earlier.id == sample.id);
-            if known || sample.id == NOTHING {
-                continue;
-            }
-            let covered: Vec<usize> = (0..4).filter(|&s| samples[s].id == sample.id).collect();
-            let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
-            let scale = 1.0 / (256.0 * covered.len() as f64);
-            let hit = self.hit(sample.id, [f64::from(x) + centre(0) * scale, f64::from(y) + centre(1) * scale]);
-            pixel.color += self.light.radiance(&self.tables.lights, &hit, |id, weights| self.is_opaque_at(id, weights))
-                * (0.25 * covered.len() as f64);
-            if covered.len() > most {
-                most = covered.len();
-                pixel.depth = self.light.depth(hit.position);
-                pixel.hit = Some((sample.id, hit));
+    fn pixel(&self, x: u32, y: u32, samples: &Samples) -> Pixel {
+        let (layers, layers_left_out) = samples.layers();
+        let (mut seen, mut shown) = (Layered::default(), [NOTHING; 4]);
+        for (ids, is_solid) in layers.iter().map(|ids| (ids, false)).chain([(&samples.solid(), true)]) {
+            for (id, covered) in distinct(ids) {
+                let hit = self.hit_of_samples(id, [x, y], &covered);
+                let alpha = if is_solid { 1.0 } else { hit.look.base.w.clamp(0.0, 1.0) };
+                seen.add(&covered, self.radiance(&hit), alpha);
+                for s in covered {
+                    if alpha >= 0.5 && shown[s] == NOTHING {
+                        shown[s] = id;
+                    }
+                }
             }
         }
-        pixel
+        let is_open = seen.transmittance.iter().any(|t| *t > 0.0);
+        let color = seen.before(if is_open { self.light.backdrop(x, y) } else { DVec3::ZERO });
+        let hit = self.shown(&shown, [x, y]);
+        let depth = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| self.light.depth(hit.position));
+        Pixel { color, hit, depth, layers_left_out }
+    }
+
+    /// What the further outputs show: the triangle of most samples, unless more see none.
+    fn shown(&self, ids: &[u32; 4], pixel: [u32; 2]) -> Option<(u32, Hit)> {
+        if self.scene.aovs.is_empty() {
+            return None;
+        }
+        let empty = ids.iter().filter(|id| **id == NOTHING).count();
+        let more = |best: Option<(u32, Vec<usize>)>, next: (u32, Vec<usize>)| {
+            if best.as_ref().is_none_or(|best| next.1.len() > best.1.len()) { Some(next) } else { best }
+        };
+        let (id, covered) = distinct(ids).fold(None, more).filter(|(_, covered)| covered.len() >= empty)?;
+        Some((id, self.hit_of_samples(id, pixel, &covered)))
+    }
+
+    fn radiance(&self, hit: &Hit) -> DVec3 {
+        self.light.radiance(&self.tables.lights, hit, |id, weights| self.is_opaque_at(id, weights))
+    }
+
+    /// At the centroid of the samples of a pixel that the triangle covers.
+    fn hit_of_samples(&self, id: u32, pixel: [u32; 2], covered: &[usize]) -> Hit {
+        let centre = |axis: usize| covered.iter().map(|&s| SAMPLES[s][axis]).sum::<i64>() as f64;
+        let scale = 1.0 / (256.0 * covered.len() as f64);
+        self.hit(id, [0, 1].map(|axis| f64::from(pixel[axis]) + centre(axis) * scale))
     }
 
     fn hit(&self, id: u32, at_px: [f64; 2]) -> Hit {
@@ -293,7 +314,7 @@ impl<'a> Oracle<'a> {
     /// Whether a triangle stops light there.
     fn is_opaque_at(&self, id: u32, weights: DVec3) -> bool {
         let part = self.part(id);
-        if part.flags & PART_MASKED == 0 {
+        if part.flags & (PART_MASKED | PART_BLENDED) == 0 {
             return true;
         }
         let material = &self.scene.materials[part.material as usize];

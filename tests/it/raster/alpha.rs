@@ -2,8 +2,17 @@
 
 use std::sync::Arc;
 
-use displace_server::domain::image::{ImagePlan, RenderAlpha, RenderMaterial, RenderMesh, RenderScene};
+use displace_glsl::reference::composite::MAX_LAYERS;
+use displace_server::{
+    domain::{
+        cancel::{Cancel, NoProgress},
+        image::{ImagePlan, ImageSet, RenderAlpha, RenderLight, RenderMaterial, RenderMesh, RenderScene},
+        request::{Rays, Shadows},
+    },
+    render::{JobContext, reference_image},
+};
 use displace_tests::meshes;
+use rand::{SeedableRng, rngs::StdRng, seq::SliceRandom};
 
 use super::{
     differing, plan, reference, render, render_plan,
@@ -62,12 +71,16 @@ fn blended(layers: &[Layer]) -> [f64; 3] {
 const THREE: [Layer; 3] = [([1.0, 0.25, 0.0], 0.5), ([0.0, 0.5, 1.0], 0.3), ([0.5, 1.0, 0.75], 0.8)];
 
 /// A sheet of waves whose map says its alpha, above a ground, before a sky of one colour.
-fn waves(alpha: RenderAlpha) -> RenderScene {
+/// `triangle_order` numbers the sheet's triangles in another.
+pub(super) fn waves(triangle_order: Option<u64>, alpha: RenderAlpha) -> RenderScene {
     let mut builder = Builder::lit(view_camera([0.3, 1.3, 1.9], [0.0, -0.1, 0.0], 50.0, 96, 96));
     let mut sheet = material([1.0, 0.9, 0.8], Some(checker(16, 16)));
     sheet.base_color_factor[3] = 0.8;
     sheet.alpha = alpha;
     let mut mesh = render_mesh(&meshes::plane(40));
+    if let Some(seed) = triangle_order {
+        Arc::make_mut(&mut mesh.triangles).shuffle(&mut StdRng::seed_from_u64(seed));
+    }
     let lifted = mesh.positions.iter().map(|&[x, _, z]| [x, 0.25 * (9.0 * x).sin() * (7.0 * z).cos(), z]);
     mesh.positions = Arc::new(lifted.collect());
     builder.add(mesh, sheet, IDENTITY);
@@ -87,7 +100,7 @@ fn assert_agrees(scene: &RenderScene, what: &str) {
 
 #[test]
 fn chance_agrees_with_its_twin() {
-    assert_agrees(&waves(RenderAlpha::Stochastic), "by chance");
+    assert_agrees(&waves(None, RenderAlpha::Stochastic), "by chance");
     let scene = quads(&THREE, 0..3, RenderAlpha::Stochastic);
     assert_eq!(differing(&render(&scene, 32, 32), &reference(&scene, 32, 32), 1e-6), 0);
 }
@@ -115,4 +128,129 @@ fn the_mean_of_chances_is_what_blending_gives() {
 fn nothing_is_left_to_chance_where_alpha_is_0_or_1() {
     let scene = quads(&[([1.0; 3], 0.0), ([0.5; 3], 1.0)], 0..2, RenderAlpha::Stochastic);
     assert!(render(&scene, 32, 32).color.iter().all(|color| *color == [0.5, 0.5, 0.5, 1.0]));
+}
+
+/// Every pixel has the colour, up to a few roundings of values up to `LEAK`.
+fn assert_all(image: &ImageSet, [r, g, b]: [f64; 3], what: &str) {
+    for found in &image.color {
+        let off = [r, g, b].iter().zip(found).fold(0f64, |most, (c, found)| most.max((c - f64::from(*found)).abs()));
+        assert!(off < 32.0 * f64::from(f32::EPSILON * LEAK), "{what}: {found:?} for {r}, {g}, {b}");
+    }
+}
+
+#[test]
+fn blending_is_the_closed_form_in_whatever_order_triangles_come() {
+    for layers in [&THREE[..1], &THREE[..2], &THREE] {
+        for order in [vec![0, 1, 2], vec![2, 1, 0], vec![1, 0, 2]] {
+            let order = order.into_iter().filter(|k| *k < layers.len());
+            let scene = quads(layers, order, RenderAlpha::Blend);
+            assert_all(&render(&scene, 32, 32), blended(layers), "device");
+            assert_all(&reference(&scene, 32, 32), blended(layers), "twin");
+        }
+    }
+}
+
+#[test]
+fn rays_blend_by_the_same_form_whether_asked_for_layers_or_for_chances() {
+    for alpha in [RenderAlpha::Blend, RenderAlpha::Stochastic] {
+        let scene = quads(&THREE, [2, 0, 1].into_iter(), alpha);
+        let rays = Some(Rays { samples: 2, shadows: Shadows::None });
+        let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+        let plan = ImagePlan { rays, ..plan(&scene, 32, 32) };
+        let image = reference_image::render(&job, &plan, &scene).expect("renders").0;
+        assert_all(&image, blended(&THREE), "rays");
+    }
+}
+
+#[test]
+fn layers_agree_with_their_twin() {
+    let scene = waves(None, RenderAlpha::Blend);
+    assert_agrees(&scene, "layers");
+    let ids = |image: ImageSet| image.triangle.expect("asked for");
+    let (found, expected) = (ids(render(&scene, 96, 96)), ids(reference(&scene, 96, 96)));
+    let apart = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+    assert!(apart <= 96 * 96 / 50, "{apart} pixels show another triangle");
+}
+
+#[test]
+fn layers_change_with_neither_the_order_of_triangles_nor_slabs() {
+    let scene = waves(None, RenderAlpha::Blend);
+    let image = render(&scene, 96, 96);
+    assert_eq!(render(&waves(Some(5), RenderAlpha::Blend), 96, 96).color, image.color);
+    assert_eq!(render_plan(&scene, &ImagePlan { slab_px: 16, ..plan(&scene, 96, 96) }), image);
+}
+
+#[test]
+fn layers_beyond_the_last_are_left_out_and_told() {
+    for count in [MAX_LAYERS, MAX_LAYERS + 1, 32] {
+        let layers: Vec<Layer> = (0..count).map(|k| ([k as f32 / count as f32, 0.5, 1.0], 0.2)).collect();
+        let scene = quads(&layers, (0..count).rev(), RenderAlpha::Blend);
+        for image in [render(&scene, 32, 32), reference(&scene, 32, 32)] {
+            assert_all(&image, blended(&layers[..MAX_LAYERS]), "the first layers");
+            assert_eq!(image.layers_left_out, count > MAX_LAYERS, "{count} layers");
+        }
+    }
+}
+
+#[test]
+fn what_is_solid_hides_the_layers_behind_it() {
+    let mut builder = Builder::unlit(pixel_camera(32, 32));
+    let solid = ([0.25, 0.5, 0.75], 1.0);
+    builder.add(quad(0.2), look(THREE[1], RenderAlpha::Blend), IDENTITY);
+    builder.add(quad(0.5), look(solid, RenderAlpha::Opaque), IDENTITY);
+    builder.add(quad(0.8), look(THREE[0], RenderAlpha::Blend), IDENTITY);
+    let image = render(&builder.finish(), 32, 32);
+    assert_all(&image, blended(&[THREE[0], solid]), "one before, one behind");
+}
+
+#[test]
+fn of_equal_depths_the_smaller_number_is_in_front() {
+    let mut builder = Builder::unlit(pixel_camera(32, 32));
+    THREE.iter().for_each(|layer| builder.add(quad(0.5), look(*layer, RenderAlpha::Blend), IDENTITY));
+    assert_all(&render(&builder.finish(), 32, 32), blended(&THREE), "in one plane");
+}
+
+#[test]
+fn further_outputs_show_the_nearest_surface_that_hides_half() {
+    for (shares, shown) in [([0.4, 0.6], 2), ([0.6, 0.6], 0), ([0.4, 0.4], 4)] {
+        let mut builder = Builder::unlit(pixel_camera(32, 32));
+        for (k, share) in shares.into_iter().enumerate() {
+            builder.add(quad(0.8 - 0.2 * k as f32), look(([1.0; 3], share), RenderAlpha::Blend), IDENTITY);
+        }
+        builder.add(quad(0.1), look(([1.0; 3], 1.0), RenderAlpha::Opaque), IDENTITY);
+        let scene = builder.finish();
+        for image in [render(&scene, 32, 32), reference(&scene, 32, 32)] {
+            let ids = image.triangle.expect("asked for");
+            assert!(ids.iter().all(|id| id / 2 * 2 == shown), "{shares:?}: {ids:?}");
+        }
+    }
+}
+
+#[test]
+fn the_back_of_a_single_sided_layer_is_not_seen() {
+    let mut builder = Builder::unlit(pixel_camera(32, 32));
+    let mut turned = quad(0.5);
+    Arc::make_mut(&mut turned.triangles).iter_mut().for_each(|t| t.swap(1, 2));
+    for mesh in [quad(0.5), turned] {
+        let single = RenderMaterial { double_sided: false, ..look(THREE[0], RenderAlpha::Blend) };
+        builder.add(mesh, single, IDENTITY);
+    }
+    assert_all(&render(&builder.finish(), 32, 32), blended(&THREE[..1]), "one of two sides");
+}
+
+#[test]
+fn layers_stop_light_from_an_alpha_of_one_half_on() {
+    for (share, is_dark) in [(0.6, true), (0.4, false)] {
+        let mut builder = Builder::lit(view_camera([0.0, 3.0, 0.01], [0.0; 3], 40.0, 64, 64));
+        let mut raised = IDENTITY;
+        (raised[0], raised[10], raised[12], raised[13]) = (0.5, 0.5, 3.0, 1.0);
+        builder.add(render_mesh(&meshes::plane(1)), look(([1.0; 3], share), RenderAlpha::Blend), raised);
+        builder.mesh(&meshes::plane(1), [0.5; 3]);
+        let mut scene = RenderScene { shadows: Shadows::Ray, ..builder.finish() };
+        // Meets the middle of the plane through that of the raised one.
+        scene.lighting.lights = vec![RenderLight::sun([3.0 / 10f32.sqrt(), 1.0 / 10f32.sqrt(), 0.0])];
+        let image = render(&scene, 64, 64);
+        assert_eq!(differing(&image, &reference(&scene, 64, 64), 2e-3), 0, "alpha {share}");
+        assert_eq!(image.color[32 * 64 + 32][0] < 0.11, is_dark, "alpha {share}: {:?}", image.color[32 * 64 + 32]);
+    }
 }

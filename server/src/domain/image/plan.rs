@@ -38,6 +38,8 @@ pub struct ImageContents {
     /// Of each vertex.
     pub uv_channels: u32,
     pub has_tangents: bool,
+    /// Some material is blended.
+    pub has_layers: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
@@ -125,8 +127,10 @@ impl ImageContents {
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
             + if self.environment.is_some() { 36 } else { 0 };
+        // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
+        let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
-        screen + listed * 20 + records + slab_pixels * (4 * per_sample + 4 + 16 + outputs)
+        screen + listed * 20 + records + slab_pixels * (4 * per_sample + layers + 4 + 16 + outputs)
     }
 }
 

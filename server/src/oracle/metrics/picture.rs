@@ -207,6 +207,7 @@ mod tests {
             depth: Some(vec![1.0, 2.0, f32::INFINITY]),
             position: Some(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [f32::NAN; 3]]),
             clip_from_world: Some(std::array::from_fn(|k| k as f32)),
+            layers_left_out: false,
             ..ImageSet::default()
         }
     }

@@ -20,35 +20,67 @@ use crate::{
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, light, streams::WorkStreams, visibility::fragment_count};
+use super::{Frame, Run, Slab, layers, light, streams::WorkStreams, visibility::fragment_count};
 
+/// Shades what is solid, and makes the images; of layers, where there are any.
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    let count = list_fragments(run, frame, slab, &frame.work.visibility)?;
+    run.record(|recorder| {
+        record_radiance(recorder, frame, count)?;
+        light::record_backdrop(recorder, frame, slab)?;
+        if frame.tables.has_layers {
+            return layers::record_composite(recorder, frame, slab, &frame.work.visibility, true);
+        }
+        record_images(recorder, frame, slab)
+    })?;
+    if frame.tables.has_layers {
+        layers::show(run, frame, slab)?;
+        run.record(|recorder| record_images(recorder, frame, slab))?;
+    }
+    Ok(())
+}
+
+/// Lists the fragments of what samples see, and tells how many there are.
+pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, keys: &Stream) -> Result<u64> {
     let Frame { work, .. } = frame;
     let (slab_px, slab_size_px) = slab.px();
     let params = FragmentsParams { count: slab.pixels() as u32, slab_px, slab_size_px };
     run.record(|recorder| {
         recorder.fill(&work.fragment_count, 0)?;
         let bound = [
-            ("visibility", &work.visibility),
+            ("visibility", keys),
             ("fragment_count", &work.fragment_count),
             ("fragments", &work.fragments),
             ("pixels", &work.pixels),
         ];
         Ok(recorder.dispatch(&SHADERS.fragments, slab.pixels(), &params, &bound)?)
     })?;
-    let count = fragment_count(work)?;
-    run.record(|recorder| {
-        if count > 0 {
-            record_surface(recorder, frame, count)?;
-            (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
-            record_appearance(recorder, frame, count)?;
-            record_shadows(recorder, frame, count)?;
-            light::record(recorder, frame, count)?;
-        }
-        light::record_backdrop(recorder, frame, slab)?;
-        record_pixels(recorder, frame, slab)?;
-        record_means(recorder, frame, slab)
-    })
+    fragment_count(work)
+}
+
+/// What the first `count` fragments look like, and their radiance.
+pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    if count == 0 {
+        return Ok(());
+    }
+    record_appearance(recorder, frame, count)?;
+    record_shadows(recorder, frame, count)?;
+    light::record(recorder, frame, count)
+}
+
+/// What the first `count` fragments look like.
+pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    if count == 0 {
+        return Ok(());
+    }
+    record_surface(recorder, frame, count)?;
+    (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
+    record_look(recorder, frame, count)
+}
+
+fn record_images(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    record_pixels(recorder, frame, slab)?;
+    record_means(recorder, frame, slab)
 }
 
 /// What lies under the first `count` fragments.
@@ -93,7 +125,7 @@ pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: u
     Ok(recorder.dispatch(shader, count, &params, &bound)?)
 }
 
-fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+fn record_look(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { tables, streams, work, .. } = frame;
     let has_map = |slot: &usize| !work.mapped[*slot].is_empty();
     let params = AppearanceParams {
@@ -151,7 +183,7 @@ fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
 }
 
 fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
-    let Frame { scene, streams, work, .. } = frame;
+    let Frame { scene, tables, streams, work, .. } = frame;
     let params = ResolveParams {
         count: slab.pixels() as u32,
         outputs: scene.aovs.iter().fold(0, |bits, &aov| bits | output_bit(aov)),
@@ -159,6 +191,7 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         background: scene.lighting.background,
         has_backdrop: u32::from(!work.backdrop.is_empty()),
         uv_channels: scene.uv_channels,
+        has_layers: u32::from(tables.has_layers),
     };
     let outputs = &work.outputs;
     let bound = [
@@ -175,6 +208,8 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         ("uv_out", &outputs.uv),
         ("triangle_out", &outputs.triangle),
         ("backdrop", &work.backdrop),
+        ("layered", &work.layers.layered),
+        ("transmittance", &work.layers.transmittance),
     ];
     Ok(recorder.dispatch(&SHADERS.resolve, slab.pixels(), &params, &bound)?)
 }

@@ -225,10 +225,36 @@ pub(crate) struct WorkStreams {
     /// The environment behind each pixel; empty without one.
     pub(crate) backdrop: Stream,
     pub(crate) pixels: Stream,
+    pub(crate) layers: LayerStreams,
     pub(crate) outputs: Outputs,
     /// Triangles, and pairs, whose samples are sure to fit `fragments`.
     pub(crate) masked_small_chunk: u64,
     pub(crate) masked_pair_chunk: u64,
+}
+
+/// What blended surfaces are added up in; empty where none is.
+pub(crate) struct LayerStreams {
+    /// Of a layer and of the one before it, in turn.
+    pub(crate) keys: [Stream; 2],
+    /// Keys of what the further outputs show.
+    pub(crate) shown: Stream,
+    /// Share of what is behind the layers that each sample sees.
+    pub(crate) transmittance: Stream,
+    /// What each pixel sees of them.
+    pub(crate) layered: Stream,
+}
+
+impl LayerStreams {
+    fn new(device: &Arc<Device>, pixels: u64) -> Result<Self> {
+        let samples = pixels * u64::from(SAMPLES);
+        let keys = || Stream::new(device, "layer keys", 8, samples);
+        Ok(Self {
+            keys: [keys()?, keys()?],
+            shown: keys()?,
+            transmittance: Stream::new(device, "transmittance", 4, samples)?,
+            layered: Stream::new(device, "layered", 12, pixels)?,
+        })
+    }
 }
 
 /// Images of a slab; those nobody asked for are empty.
@@ -285,6 +311,7 @@ impl WorkStreams {
             radiance: new("radiance", 16, samples)?,
             backdrop: new("backdrop", 12, if has_environment { pixels } else { 0 })?,
             pixels: new("pixels", 4, pixels)?,
+            layers: LayerStreams::new(device, if tables.has_layers { pixels } else { 0 })?,
             outputs: Outputs::new(device, pixels, side, &scene.aovs)?,
             masked_small_chunk: fragments / u64::from(SMALL_SAMPLES),
             masked_pair_chunk: fragments / TILE_SAMPLES,

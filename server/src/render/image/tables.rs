@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use displace_glsl::layout::raster::{
     INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_STOCHASTIC,
-    MATERIAL_UNLIT, Material, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part, TextureUse,
+    MATERIAL_UNLIT, Material, PART_BLENDED, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
+    TextureUse,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
@@ -34,6 +35,8 @@ pub(crate) struct Tables {
     pub(crate) batches: Vec<Batch>,
     pub(crate) masked: bool,
     pub(crate) colored: bool,
+    /// Some triangles are blended.
+    pub(crate) has_layers: bool,
 }
 
 /// Where a mesh begins in the streams that hold all meshes.
@@ -59,6 +62,8 @@ pub(crate) struct Batch {
     pub(crate) parts: Range<usize>,
     /// Triangle numbers over all instances.
     pub(crate) triangles: Range<u64>,
+    /// From the first that is blended to behind the last; empty where none is.
+    pub(crate) blended: Range<u64>,
     pub(crate) vertices: u64,
 }
 
@@ -74,6 +79,7 @@ impl Tables {
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],
             masked: false,
+            has_layers: false,
             colored: scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
         };
         let pixel_from_world = pixel_from_world(&scene.camera, plan);
@@ -83,6 +89,7 @@ impl Tables {
             let mirrored = DMat3::from_mat4(world_from_mesh).determinant() < 0.0;
             tables.add_instance(scene, index, if mirrored { PART_MIRRORED } else { 0 })?;
         }
+        tables.has_layers = tables.batches.iter().any(|batch| !batch.blended.is_empty());
         tables.masked = tables.parts.iter().any(|part| part.flags & PART_MASKED != 0);
         Ok(tables)
     }
@@ -95,15 +102,21 @@ impl Tables {
         let flags = flags | if mesh.colors.is_empty() { 0 } else { PART_COLORED };
         for (run, material) in runs(mesh) {
             let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
+            let flags = flags | material_flags(&scene.materials[material as usize]);
+            let first = batch.triangles.end;
             self.parts.push(Part {
-                first_triangle: batch.triangles.end as u32,
+                first_triangle: first as u32,
                 triangle_base: (place.triangle_base + run.start as u64) as u32,
                 screen_base: (screen_first as u32).wrapping_sub(place.vertex_base as u32),
                 instance: index as u32,
                 material,
-                flags: flags | material_flags(&scene.materials[material as usize]),
+                flags,
             });
             batch.triangles.end += run.len() as u64;
+            if flags & PART_BLENDED != 0 {
+                let known = if batch.blended.is_empty() { first } else { batch.blended.start };
+                batch.blended = known..batch.triangles.end;
+            }
             batch.parts.end += 1;
         }
         let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
@@ -154,8 +167,12 @@ fn places(meshes: &[RenderMesh]) -> Vec<MeshPlace> {
 
 fn material_flags(material: &RenderMaterial) -> u32 {
     let double_sided = if material.double_sided { PART_DOUBLE_SIDED } else { 0 };
-    let masked = if material.alpha.cutoff() > 0.0 { PART_MASKED } else { 0 };
-    double_sided | masked
+    let alpha = match material.alpha {
+        RenderAlpha::Blend => PART_BLENDED,
+        alpha if alpha.cutoff() > 0.0 => PART_MASKED,
+        _ => 0,
+    };
+    double_sided | alpha
 }
 
 fn material(material: &RenderMaterial) -> Material {

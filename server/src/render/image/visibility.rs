@@ -1,5 +1,7 @@
 //! Fills the visibility buffer of a slab: transform, setup, and a path for each size of triangle.
 
+use std::ops::Range;
+
 use displace_glsl::{
     SHADERS,
     layout::raster::{
@@ -11,7 +13,9 @@ use displace_glsl::{
 use crate::{domain::Result, vulkan::Stream};
 
 use super::{
-    Frame, Run, Slab, shading,
+    Frame, Run, Slab,
+    layers::Layer,
+    shading,
     streams::{LARGE_CHUNK, PAIR_CHUNK, RANGE_TRIANGLES, SceneStreams, WorkStreams},
     tables::Batch,
 };
@@ -23,27 +27,38 @@ struct Job<'a, 'r> {
     run: &'a mut Run<'r>,
     frame: &'a Frame<'a>,
     slab: Slab,
+    /// What is blended goes to a layer of its own.
+    layer: Option<Layer<'a>>,
 }
 
+/// The nearest triangle of each sample, of all that are not blended.
 pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab: bool) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(&frame.work.visibility, 0)?))?;
-    let mut job = Job { run, frame, slab };
+    let mut job = Job { run, frame, slab, layer: None };
     for batch in &frame.tables.batches {
         // A single batch stays on the screen for all slabs.
         if first_slab || frame.tables.batches.len() > 1 {
             job.transform(batch)?;
         }
-        let mut first = batch.triangles.start;
-        while first < batch.triangles.end {
-            let end = (first + RANGE_TRIANGLES).min(batch.triangles.end);
-            job.draw(batch, first, end - first)?;
-            first = end;
-        }
+        job.draw_range(batch, &batch.triangles)?;
     }
     Ok(())
 }
 
-impl Job<'_, '_> {
+/// The nearest blended triangle of each sample that lies behind those of the layer before and before what is solid.
+pub(crate) fn peel<'a>(run: &mut Run<'_>, frame: &'a Frame<'a>, slab: Slab, layer: Layer<'a>) -> Result<()> {
+    run.record(|recorder| Ok(recorder.fill(layer.keys, 0)?))?;
+    let mut job = Job { run, frame, slab, layer: Some(layer) };
+    for batch in frame.tables.batches.iter().filter(|batch| !batch.blended.is_empty()) {
+        if frame.tables.batches.len() > 1 {
+            job.transform(batch)?;
+        }
+        job.draw_range(batch, &batch.blended)?;
+    }
+    Ok(())
+}
+
+impl<'a> Job<'a, '_> {
     fn transform(&mut self, batch: &Batch) -> Result<()> {
         let Frame { plan, streams, work, .. } = self.frame;
         self.run.record(|recorder| {
@@ -64,6 +79,16 @@ impl Job<'_, '_> {
             }
             Ok(())
         })
+    }
+
+    fn draw_range(&mut self, batch: &Batch, triangles: &Range<u64>) -> Result<()> {
+        let mut first = triangles.start;
+        while first < triangles.end {
+            let end = (first + RANGE_TRIANGLES).min(triangles.end);
+            self.draw(batch, first, end - first)?;
+            first = end;
+        }
+        Ok(())
     }
 
     /// Draws `count` triangles from `first` on, numbered over all instances.
@@ -89,6 +114,7 @@ impl Job<'_, '_> {
             slab_px,
             slab_size_px,
             capacity: work.list_capacity as u32,
+            blended: u32::from(self.layer.is_some()),
         };
         self.run.record(|recorder| {
             recorder.fill(&work.counters, 0)?;
@@ -103,6 +129,15 @@ impl Job<'_, '_> {
         })?;
         let lengths: Vec<u32> = work.counters.read()?;
         Ok(lengths.into_iter().map(|length| u64::from(length).min(work.list_capacity)).collect())
+    }
+
+    /// Where covered samples go, and what they must pass on their way.
+    fn target(&self) -> Vec<(&'static str, &'a Stream)> {
+        let solid = &self.frame.work.visibility;
+        match self.layer {
+            None => vec![("visibility", solid)],
+            Some(Layer { keys, nearer }) => vec![("visibility", keys), ("solid", solid), ("nearer", nearer)],
+        }
     }
 
     fn raster_params(&self, batch: &Batch, first: u64, count: u64) -> RasterParams {
@@ -121,13 +156,18 @@ impl Job<'_, '_> {
     fn draw_whole(&mut self, batch: &Batch, small: (u64, u64), medium: (u64, u64)) -> Result<()> {
         let small_params = self.raster_params(batch, small.0, small.1);
         let medium_params = self.raster_params(batch, medium.0, medium.1);
-        let bound = triangle_bindings(self.frame.streams, self.frame.work);
+        let (streams, work) = (self.frame.streams, self.frame.work);
+        let bound = [&self.target()[..], &triangle_bindings(streams, work)].concat();
+        let [small_shader, medium_shader] = match self.layer {
+            None => [&SHADERS.raster_small, &SHADERS.raster_medium],
+            Some(_) => [&SHADERS.raster_small_peeled, &SHADERS.raster_medium_peeled],
+        };
         self.run.record(|recorder| {
             if small.1 > 0 {
-                recorder.dispatch(&SHADERS.raster_small, small.1, &small_params, &bound)?;
+                recorder.dispatch(small_shader, small.1, &small_params, &bound)?;
             }
             if medium.1 > 0 {
-                recorder.dispatch(&SHADERS.raster_medium, medium.1 * GROUP_THREADS, &medium_params, &bound)?;
+                recorder.dispatch(medium_shader, medium.1 * GROUP_THREADS, &medium_params, &bound)?;
             }
             Ok(())
         })
@@ -140,8 +180,7 @@ impl Job<'_, '_> {
         while done < length {
             let count = (length - done).min(work.masked_small_chunk);
             let params = self.raster_params(batch, list_first + done, count);
-            let mut bound = triangle_bindings(streams, work).to_vec();
-            bound.extend(fragment_bindings(work));
+            let bound = [&self.target()[..], &triangle_bindings(streams, work), &fragment_bindings(work)].concat();
             self.run.record(|recorder| {
                 recorder.fill(&work.fragment_count, 0)?;
                 Ok(recorder.dispatch(&SHADERS.raster_small_masked, count, &params, &bound)?)
@@ -211,16 +250,21 @@ impl Job<'_, '_> {
             slab_size_px,
         };
         let params = self.raster_params(batch, 0, count);
-        let shader = if masked { &SHADERS.raster_large_masked } else { &SHADERS.raster_large };
+        let shader = match self.layer {
+            _ if masked => &SHADERS.raster_large_masked,
+            None => &SHADERS.raster_large,
+            Some(_) => &SHADERS.raster_large_peeled,
+        };
+        let mut targets = self.target();
         self.run.record(|recorder| {
             let bound = [("records", &work.records), ("offsets", &work.tile_offsets), ("pairs", &work.pairs)];
             recorder.dispatch(&SHADERS.tiles, count, &tiles, &bound)?;
-            let mut bound = vec![("visibility", &work.visibility), ("records", &work.records), ("pairs", &work.pairs)];
+            targets.extend([("records", &work.records), ("pairs", &work.pairs)]);
             if masked {
                 recorder.fill(&work.fragment_count, 0)?;
-                bound.extend(fragment_bindings(work));
+                targets.extend(fragment_bindings(work));
             }
-            Ok(recorder.dispatch(shader, count * GROUP_THREADS, &params, &bound)?)
+            Ok(recorder.dispatch(shader, count * GROUP_THREADS, &params, &targets)?)
         })?;
         if masked { self.test_fragments() } else { Ok(()) }
     }
@@ -255,14 +299,8 @@ impl Job<'_, '_> {
     }
 }
 
-fn triangle_bindings<'a>(streams: &'a SceneStreams, work: &'a WorkStreams) -> [(&'static str, &'a Stream); 5] {
-    [
-        ("visibility", &work.visibility),
-        ("triangles", &streams.triangles),
-        ("parts", &streams.parts),
-        ("screen", &work.screen),
-        ("lists", &work.lists),
-    ]
+fn triangle_bindings<'a>(streams: &'a SceneStreams, work: &'a WorkStreams) -> [(&'static str, &'a Stream); 4] {
+    [("triangles", &streams.triangles), ("parts", &streams.parts), ("screen", &work.screen), ("lists", &work.lists)]
 }
 
 fn fragment_bindings(work: &WorkStreams) -> [(&'static str, &Stream); 2] {
