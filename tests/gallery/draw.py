@@ -1,0 +1,178 @@
+"""Draws the pictures of the gallery: `draw.py DISPLACE [PICTURE ...]`, all of them or those named.
+
+Each picture is one command line of `PICTURES`, run in a scratch folder that holds the files of `tests/data` and the small
+scenes made here. What to look for stands in README.md beside this file. Needs Python 3 alone.
+"""
+
+import json
+import math
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+HERE = Path(__file__).parent
+DATA = HERE.parent / "data"
+SIZE = "--size 320x240"
+FLOOR = f"floor.glb {SIZE} --eye 0,0.5,4 --look-at 0,0,-2 --fov 50 --light 0,1,0 --ambient 0"
+BALL = f"ball.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1"
+PICTURES = {
+    # Filters on a checker floor: rows 7 to 12.
+    "filter-nearest": f"render {FLOOR} --filter nearest",
+    "filter-bilinear": f"render {FLOOR} --filter bilinear",
+    "filter-trilinear": f"render {FLOOR} --filter trilinear",
+    "filter-anisotropic": f"render {FLOOR} --filter anisotropic",
+    "filter-ewa": f"render {FLOOR} --filter ewa",
+    "filter-supersampled": f"render {FLOOR} --filter bilinear --supersample 1024",
+    # Rows 17 to 19.
+    "shading-flat": f"render {BALL} --shading flat",
+    "shading-gouraud": f"render {BALL} --shading gouraud",
+    "shading-phong": f"render {BALL} --shading phong",
+    "shading-pbr": f"render {BALL} --shading pbr",
+    # Row 24.
+    "normal-map": f"render bumps.glb {SIZE} --orbit 25,10,3.2 --light 1,1,1 --shading pbr",
+    "normal-map-sides": f"render TwoSidedPlane/TwoSidedPlane.gltf {SIZE} --orbit 30,25 --shading pbr",
+    # Row 15.
+    "alpha-mask": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha mask --shadows ray",
+    "alpha-blend": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha blend",
+    "alpha-stochastic": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha stochastic",
+    # Row 16.
+    "environment-phong": f"render ball.glb {SIZE} --orbit 20,15,3.2 --env sky.hdr",
+    "environment-rough": f"render rough.glb {SIZE} --orbit 20,15,3.2 --env sky.hdr --shading pbr",
+    "environment-mirror": f"render mirror.glb {SIZE} --orbit 20,15,3.2 --env sky.hdr --shading pbr",
+    # Light and shadow.
+    "shadows-none": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr",
+    "shadows-ray": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr --shadows ray",
+    "shadows-displaced": f"render ball.glb {SIZE} --height maps/abstract_height.png --scale 0.15 --uniform 4 --orbit 20,15,3.6 --light 1,0.4,0.2 --shading pbr --shadows ray",
+    "texture-transform": f"render TextureTransformTest/TextureTransformTest.gltf {SIZE} --shading pbr --ambient 1 --light 0,0,1",
+}
+
+
+def png(width: int, height: int, pixel) -> bytes:
+    """8-bit RGBA of pixel(x, y)."""
+    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in pixel(x, y)) for y in range(height))
+    chunk = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))  # noqa: E731
+    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
+
+
+def glb(file: Path, mesh, material: dict, images: list[bytes]) -> None:
+    """A mesh of (positions, normals, uvs, triangles) with one material, whose textures are numbered as `images`."""
+    positions, normals, uvs, triangles = mesh
+    parts = [b"".join(struct.pack("<%df" % len(v), *v) for v in values) for values in (positions, normals, uvs)]
+    parts += [b"".join(struct.pack("<3I", *t) for t in triangles), *images]
+    views, blob = [], b""
+    for part in parts:
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(part)})
+        blob += part + bytes(-len(part) % 4)
+    count, corners = len(positions), 3 * len(triangles)
+    bound = lambda pick: [pick(p[k] for p in positions) for k in range(3)]  # noqa: E731
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3", "min": bound(min), "max": bound(max)},
+        {"bufferView": 1, "componentType": 5126, "count": count, "type": "VEC3"},
+        {"bufferView": 2, "componentType": 5126, "count": count, "type": "VEC2"},
+        {"bufferView": 3, "componentType": 5125, "count": corners, "type": "SCALAR"},
+    ]
+    primitive = {"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3, "material": 0}
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}], "materials": [material], "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(blob)}],
+    }
+    if images:
+        document["images"] = [{"bufferView": 4 + k, "mimeType": "image/png"} for k in range(len(images))]
+        document["textures"] = [{"source": k} for k in range(len(images))]
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(blob), 0x004E4942) + blob
+    file.write_bytes(struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks)
+
+
+def grid(columns: int, rows: int, place):
+    """A mesh of place(u, v) -> (position, normal), u and v from 0 to 1, v down."""
+    at = [(i / columns, j / rows) for j in range(rows + 1) for i in range(columns + 1)]
+    number = lambda i, j: j * (columns + 1) + i  # noqa: E731
+    triangles = []
+    for j in range(rows):
+        for i in range(columns):
+            a, b, c, d = number(i, j), number(i, j + 1), number(i + 1, j + 1), number(i + 1, j)
+            triangles += [(a, b, c), (a, c, d)]
+    return [place(*uv)[0] for uv in at], [place(*uv)[1] for uv in at], at, triangles
+
+
+def on_ball(u: float, v: float):
+    turn, down = 2 * math.pi * u, math.pi * v
+    n = (-math.cos(turn) * math.sin(down), math.cos(down), math.sin(turn) * math.sin(down))
+    return n, n
+
+
+def bump(x: int, y: int):
+    """A normal map of round bumps, 8 in a row."""
+    dx, dy = (x % 32 - 15.5) / 14, (y % 32 - 15.5) / 14
+    inside = dx * dx + dy * dy < 1
+    nx, ny = (0.8 * dx, -0.8 * dy) if inside else (0, 0)
+    nz = math.sqrt(1 - nx * nx - ny * ny)
+    return *(round(127.5 + 127.5 * c) for c in (nx, ny, nz)), 255
+
+
+def leaf(x: int, y: int):
+    dx, dy = (x % 32 - 15.5) / 16, (y % 32 - 15.5) / 16
+    alpha = max(0.0, 1 - dx * dx - dy * dy) ** 0.5
+    return 60, 200 - 3 * (x % 32), 70, round(255 * alpha)
+
+
+def sky(file: Path) -> None:
+    """Radiance HDR, 128 x 64, uncompressed: a gradient, a horizon, a sun."""
+    body = b""
+    for y in range(64):
+        for x in range(128):
+            up = math.cos(math.pi * (y + 0.5) / 64)
+            sun = 80 * math.exp(-((x - 90) ** 2 + (y - 18) ** 2) / 6)
+            ground = 0.18 + 0.1 * ((x // 8 + y // 8) % 2)
+            rgb = [0.35 + sun, 0.55 + sun, 1.0 + 0.8 * sun] if up > 0 else [ground, 0.8 * ground, 0.6 * ground]
+            exponent = math.frexp(max(rgb))[1]
+            body += bytes([*(min(255, int(c * 256 / 2**exponent)) for c in rgb), exponent + 128])
+    file.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n" + body)
+
+
+def scenes(folder: Path) -> None:
+    checker = png(256, 256, lambda x, y: ((230, 230, 225) if (x // 8 + y // 8) % 2 else (40, 50, 60)) + (255,))
+    colored = {"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 0.9}
+    flat = lambda u, v: ((40 * (u - 0.5), 0, 40 * (v - 0.5)), (0, 1, 0))  # noqa: E731
+    positions, normals, uvs, triangles = grid(1, 1, flat)
+    glb(folder / "floor.glb", (positions, normals, [(8 * u, 8 * v) for u, v in uvs], triangles), {"pbrMetallicRoughness": colored}, [checker])
+    plain = lambda metal, rough: {"pbrMetallicRoughness": {"baseColorFactor": [0.85, 0.6, 0.3, 1], "metallicFactor": metal, "roughnessFactor": rough}}  # noqa: E731
+    glb(folder / "ball.glb", grid(20, 10, on_ball), plain(0, 0.4), [])
+    glb(folder / "rough.glb", grid(64, 32, on_ball), plain(1, 0.4), [])
+    glb(folder / "mirror.glb", grid(64, 32, on_ball), plain(1, 0), [])
+    bumpy = {**plain(0, 0.4), "normalTexture": {"index": 0}}
+    glb(folder / "bumps.glb", grid(48, 24, on_ball), bumpy, [png(256, 128, bump)])
+    sheets = grid(1, 1, lambda u, v: ((2 * u - 1, 0, 2 * v - 1), (0, 1, 0)))
+    levels = [[(x, 0.35 * k, z) for x, _, z in sheets[0]] for k in range(3)]
+    stacked = sum(levels, []), sheets[1] * 3, sheets[2] * 3, [tuple(i + 4 * k for i in t) for k in range(3) for t in sheets[3]]
+    leaves = {"pbrMetallicRoughness": colored, "alphaMode": "BLEND", "doubleSided": True}
+    glb(folder / "leaves.glb", stacked, leaves, [png(128, 128, leaf)])
+    sky(folder / "sky.hdr")
+    for name in ("models", "maps"):
+        for path in (DATA / name).iterdir():
+            target = folder / (path.name if name == "models" else "maps")
+            if not target.exists():
+                target.symlink_to(path.resolve() if name == "models" else path.parent.resolve())
+
+
+def main() -> int:
+    displace, names = Path(sys.argv[1]).resolve(), sys.argv[2:] or list(PICTURES)
+    with tempfile.TemporaryDirectory() as folder:
+        scenes(Path(folder))
+        for name in names:
+            out = HERE / "shading" / f"{name}.png"
+            subprocess.run([displace, *shlex.split(PICTURES[name]), "--quiet", "-o", out], cwd=folder, check=True)
+            print(out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
