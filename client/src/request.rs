@@ -2,7 +2,7 @@
 
 mod geometry;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use displace_proto::v1::{self, layer, view};
 
@@ -116,8 +116,10 @@ impl Parcel {
     }
 
     pub(crate) fn look(&mut self, look: &LookArgs) -> Result<Option<v1::Look>> {
-        let Some(path) = &look.base_color else { return Ok(None) };
-        Ok(Some(v1::Look { base_color: Some(self.map_file("--base-color", path)?) }))
+        let mut map =
+            |flag: &str, path: &Option<PathBuf>| path.as_ref().map(|path| self.map_file(flag, path)).transpose();
+        let (base_color, opacity) = (map("--base-color", &look.base_color)?, map("--opacity", &look.opacity)?);
+        Ok((base_color.is_some() || opacity.is_some()).then_some(v1::Look { base_color, opacity }))
     }
 }
 

@@ -11,6 +11,7 @@ mod lists;
 mod lods;
 mod measure;
 mod normal_maps;
+mod opacity;
 mod oracle;
 mod oracle_image;
 mod oracle_rays;

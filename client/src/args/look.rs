@@ -12,6 +12,9 @@ pub(crate) struct LookArgs {
     /// Base colour map, sRGB, for every material; apply writes it to the GLB
     #[arg(long, value_name = "MAP")]
     pub(crate) base_color: Option<PathBuf>,
+    /// Opacity map for every material, its alpha or else its red, as large as base colour maps; apply writes it to the GLB
+    #[arg(long, value_name = "MAP")]
+    pub(crate) opacity: Option<PathBuf>,
     /// A light, repeatable: the direction towards a sun, or the place of a point light, world space [default: the
     /// file's, else 1,1,1]
     #[arg(long, value_name = "X,Y,Z|point:X,Y,Z", value_parser = light, allow_hyphen_values = true)]

@@ -88,6 +88,11 @@ pub fn encode_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, true, &[], rgb)
 }
 
+/// A picture of interleaved 8-bit sRGB and alpha, as PNG.
+pub fn encode_rgba8(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>> {
+    Png { width, height }.write(ColorType::Rgba, BitDepth::Eight, true, &[], rgba)
+}
+
 /// An image of interleaved 8-bit RGB that is not colour, as PNG.
 pub fn encode_linear_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, false, &[], rgb)

@@ -1,5 +1,7 @@
 //! What a request changes in the look of a scene before it is rendered or written.
 
+mod opacity;
+
 use bytes::Bytes;
 use serde_json::{Map, Value, json};
 
@@ -10,24 +12,19 @@ use super::{
     scene::{Material, Scene, SceneImage, TextureUse},
 };
 
+pub use opacity::replace_opacity;
+
 /// Makes `image` (an encoded PNG or JPEG) the base colour map of every material, and gives primitives
 /// without a material one that has it.
 pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
     let media_type = media_type(&image)?;
     // A file that nobody can show must not get into a result.
     maps::color_map("base_color", &image)?;
-    require_uvs(scene)?;
+    require_uvs(scene, "base_color", "a base colour map")?;
     let texture = add_texture(scene, media_type, &image)?;
-    let plain = scene.materials.len();
-    let uses_plain = use_plain_material(scene, plain)?;
-    if uses_plain {
-        array(&mut scene.document, "materials")?.push(json!({ "name": "base color" }));
-        scene.materials.push(Material::default());
-    }
+    add_plain_material(scene, "base color")?;
     for material in scene.document.get_mut("materials").and_then(Value::as_array_mut).into_iter().flatten() {
-        let material = material.as_object_mut().ok_or_else(malformed)?;
-        let pbr = material.entry("pbrMetallicRoughness").or_insert_with(|| Value::Object(Map::new()));
-        pbr.as_object_mut().ok_or_else(malformed)?.insert("baseColorTexture".into(), json!({ "index": texture }));
+        *base_color_texture(material)? = Map::from_iter([("index".into(), json!(texture))]);
     }
     let index = scene.images.len();
     scene.images.push(SceneImage { media_type: media_type.into(), bytes: Some(image.to_vec().into()) });
@@ -53,15 +50,15 @@ fn media_type(image: &[u8]) -> Result<&'static str> {
     }
 }
 
-fn require_uvs(scene: &Scene) -> Result<()> {
+fn require_uvs(scene: &Scene, field: &str, map: &str) -> Result<()> {
     for mesh in scene.meshes.iter().map(|m| &m.mesh) {
         let uvs = mesh.attribute("TEXCOORD_0");
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             if !uvs.is_some_and(|a| a.primitives[p]) {
                 return Err(Error::invalid(
-                    "base_color",
+                    field,
                     format!(
-                        "mesh '{}' primitive {} has no TEXCOORD_0, which a base colour map reads: unwrap the mesh, or leave the map out",
+                        "mesh '{}' primitive {} has no TEXCOORD_0, which {map} reads: unwrap the mesh, or leave the map out",
                         mesh.name, primitive.gltf_primitive
                     ),
                 ));
@@ -79,6 +76,26 @@ fn add_texture(scene: &mut Scene, media_type: &str, image: &Bytes) -> Result<usi
     let view = push(document, "bufferViews", json!({ "buffer": buffer, "byteLength": image.len() }))?;
     let source = push(document, "images", json!({ "bufferView": view, "mimeType": media_type }))?;
     push(document, "textures", json!({ "source": source }))
+}
+
+/// Gives primitives without a material one of this name.
+fn add_plain_material(scene: &mut Scene, name: &str) -> Result<()> {
+    let plain = scene.materials.len();
+    if use_plain_material(scene, plain)? {
+        array(&mut scene.document, "materials")?.push(json!({ "name": name }));
+        scene.materials.push(Material { name: Some(name.into()), ..Material::default() });
+    }
+    Ok(())
+}
+
+/// Where a material of the document says which texture its base colour has; made where it says nothing.
+fn base_color_texture(material: &mut Value) -> Result<&mut Map<String, Value>> {
+    let mut at = material;
+    for key in ["pbrMetallicRoughness", "baseColorTexture"] {
+        let object = at.as_object_mut().ok_or_else(malformed)?;
+        at = object.entry(key).or_insert_with(|| Value::Object(Map::new()));
+    }
+    at.as_object_mut().ok_or_else(malformed)
 }
 
 /// Points primitives without a material to `plain`; tells whether there were any.

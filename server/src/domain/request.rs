@@ -56,6 +56,8 @@ pub struct DisplaceRequest {
     pub geometry: Geometry,
     /// Replaces the base colour map of every material, in images and in the result.
     pub base_color: Option<Digest>,
+    /// Replaces the alpha of every material, in images and in the result.
+    pub opacity: Option<Digest>,
     pub compression: Compression,
     /// Levels of detail: 1, the result alone, to [`lods::MOST`](super::lods::MOST).
     pub lods: u32,
@@ -78,7 +80,8 @@ impl DisplaceRequest {
     pub fn assets(&self) -> Vec<Digest> {
         let maps = self.details.iter().flat_map(|detail| &detail.layers).flat_map(|layer| layer.source.assets());
         let resources = self.resources.iter().map(|(_, asset)| *asset);
-        let mut assets: Vec<Digest> = resources.chain(maps).chain([self.mesh]).chain(self.base_color).collect();
+        let looks = self.base_color.into_iter().chain(self.opacity);
+        let mut assets: Vec<Digest> = resources.chain(maps).chain([self.mesh]).chain(looks).collect();
         assets.sort_unstable();
         assets.dedup();
         assets

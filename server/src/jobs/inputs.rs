@@ -50,6 +50,9 @@ impl Inputs {
         if let Some(digest) = &request.base_color {
             look::replace_base_color(&mut scene, assets.read(digest)?)?;
         }
+        if let Some(digest) = &request.opacity {
+            look::replace_opacity(&mut scene, &assets.read(digest)?)?;
+        }
         job.cancel.check()?;
         let details = timed(job.progress, "decode_maps", &mut passes, || details(assets, &scene, request))?;
         job.cancel.check()?;

@@ -55,12 +55,14 @@ fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> 
     let method = method(&join(path, "method"), request.method)?;
     let details = details::parse(&join(path, "details"), request.details, method)?;
     let geometry = geometry::parse(&join(path, "geometry"), request.geometry)?;
-    let base_color = request.look.and_then(|look| look.base_color);
-    let base_color_field = join(path, "look.base_color");
-    let base_color = base_color.map(|asset| digest(&base_color_field, Some(&asset))).transpose()?;
+    let look = request.look.unwrap_or_default();
+    let map =
+        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
+    let base_color = map("look.base_color", look.base_color)?;
+    let opacity = map("look.opacity", look.opacity)?;
     let compression = compression(&join(path, "compression"), request.compression)?;
     let lods = lods(&join(path, "lods"), request.lods, &geometry)?;
-    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, compression, lods })
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, opacity, compression, lods })
 }
 
 fn lods(field: &str, levels: u32, geometry: &Geometry) -> Result<u32> {
