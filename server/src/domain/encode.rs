@@ -273,7 +273,6 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::image::RenderLight;
 
     fn two_pixels() -> ImageSet {
         ImageSet {

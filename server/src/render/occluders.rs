@@ -87,7 +87,7 @@ fn flattened(tree: &Bvh2, corners: &[[[f32; 3]; 3]]) -> Occluders {
     while let Some((source, ended)) = stack.pop() {
         if let Some(node) = ended {
             let here = flat.nodes.len() as u32;
-            let node: &mut BvhNode = &mut flat.nodes[node as usize];
+            let node: &mut BvhNode = &mut flat.nodes[node];
             node.skip = here;
             continue;
         }
