@@ -8,12 +8,24 @@
 //! | `image/world.rs` | from rays to points of surfaces |
 //! | `image/material.rs` | what a surface looks like at a point |
 //! | `image/shading.rs` | from points to colours |
+//! | `image/phong.rs` | Phong's model |
+//! | `image/brdf.rs` | the metallic-roughness model |
+//! | `image/albedo.rs` | what facets reflect once of light from everywhere, by `image/quadrature.rs` |
+//! | `image/environment.rs` | light from endlessly far away, by direction |
+//! | `image/lobe.rs` | the integral of such light over what a surface reflects |
 //! | `image/sampling.rs` | where the samples of a pixel lie |
 //!
 //! The filter is the renderer's own, a box over the pixel: a pixel is the mean of its samples. Maps are
-//! read at their finest level. The further outputs are those at the pixel's centre, not means.
+//! read at their finest level. Surroundings light a place by the integral over its hemisphere, by a few directions of each
+//! sample; nothing shadows them, as the renderer has it. The further outputs are those at the pixel's centre, not means.
 
+mod albedo;
+mod brdf;
+mod environment;
+mod lobe;
 mod material;
+mod phong;
+mod quadrature;
 mod sampling;
 mod scene;
 mod shading;
@@ -34,8 +46,11 @@ use crate::domain::{
 
 pub use scene::{OracleMesh, OracleScene};
 
+use albedo::Albedo;
+use environment::Sky;
+use lobe::Directions;
 use sampling::Places;
-use shading::{Eye, arriving, direct, indirect};
+use shading::{Eye, Model, arriving};
 use view::View;
 use world::{Seen, World};
 
@@ -49,7 +64,7 @@ pub struct Exposure {
     pub height: u32,
     /// Of a pixel, at least 1.
     pub samples: u32,
-    /// Whether surfaces take each other's light. Ambient light reaches everything.
+    /// Whether surfaces take each other's light. Light from everywhere reaches everything.
     pub shadows: bool,
 }
 
@@ -75,6 +90,7 @@ struct Camera<'s> {
     world: World<'s>,
     view: View,
     lighting: &'s Lighting,
+    sky: Option<Sky<'s>>,
     shading: Shading,
     samples: u32,
     shadows: bool,
@@ -84,10 +100,15 @@ struct Camera<'s> {
 impl<'s> Camera<'s> {
     fn new(scene: &'s OracleScene, exposure: &Exposure) -> Result<Self> {
         let view = View::new(&scene.camera, exposure.width, exposure.height);
+        if scene.shading == Shading::Pbr {
+            // Before the threads of the image would wait for it.
+            Albedo::table();
+        }
         Ok(Self {
             world: World::new(scene, view.mirrored)?,
             view,
             lighting: &scene.lighting,
+            sky: scene.lighting.environment.as_deref().map(Sky::new),
             shading: scene.shading,
             samples: exposure.samples,
             shadows: exposure.shadows,
@@ -99,35 +120,45 @@ impl<'s> Camera<'s> {
         let corner = [f64::from(x), f64::from(y)];
         let ray = |[u, v]: [f64; 2]| self.view.ray([corner[0] + u, corner[1] + v]);
         let places = Places::of_pixel(x, y);
-        let sum: DVec3 = (0..self.samples).map(|sample| self.radiance(&ray(places.at(sample)))).sum();
+        let by = [places.further(0), places.further(1)];
+        let radiance = |sample| self.radiance(&ray(places.at(sample)), &Directions { by, sample });
+        let sum: DVec3 = (0..self.samples).map(radiance).sum();
         let centre = if self.wants_centre { self.world.seen(&ray([0.5; 2])) } else { None };
         let depth = centre.map_or(f64::INFINITY, |seen| self.view.depth(seen.position));
         Pixel { color: sum / f64::from(self.samples), depth, centre }
     }
 
-    fn radiance(&self, ray: &Segment) -> DVec3 {
+    fn radiance(&self, ray: &Segment, directions: &Directions) -> DVec3 {
         let (mut color, mut passes) = (DVec3::ZERO, 1.0);
         for seen in self.world.layers(ray) {
-            color += passes * seen.alpha * self.reflected(ray, &seen);
+            color += passes * seen.alpha * self.reflected(ray, &seen, directions);
             passes *= 1.0 - seen.alpha;
         }
-        color + passes * DVec3::from_array(self.lighting.background.map(f64::from))
+        color + passes * self.behind(ray.direction)
     }
 
     /// Radiance of a point towards where the ray comes from.
-    fn reflected(&self, ray: &Segment, seen: &Seen) -> DVec3 {
+    fn reflected(&self, ray: &Segment, seen: &Seen, directions: &Directions) -> DVec3 {
         if seen.look.unlit {
             return seen.look.base.truncate();
         }
         let eye = self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
+        let model = Model::new(self.shading, seen, eye);
         let of_light = |light| {
-            let color = direct(self.shading, light, seen, eye);
+            let color = model.direct(light);
             let towards = arriving(light, seen.position);
             let is_dark = color == DVec3::ZERO
                 || (self.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
             if is_dark { DVec3::ZERO } else { color }
         };
-        indirect(self.lighting, seen) + self.lighting.lights.iter().map(of_light).sum::<DVec3>()
+        let direct: DVec3 = self.lighting.lights.iter().map(of_light).sum();
+        direct + model.indirect(self.lighting, self.sky.as_ref(), directions)
+    }
+
+    /// What is seen in a unit direction where nothing is.
+    fn behind(&self, direction: DVec3) -> DVec3 {
+        let background = || DVec3::from_array(self.lighting.background.map(f64::from));
+        self.sky.as_ref().map_or_else(background, |sky| sky.radiance(direction))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Where the samples of a pixel lie: the Sobol' (0, 2)-sequence, scrambled by Owen's nested permutations, which
-//! are hashed (Burley 2020) from the pixel. Deterministic; each power of two of samples is stratified.
+//! are hashed (Burley 2020) from the pixel. Deterministic; each power of two of samples is stratified. Further
+//! dimensions are further such sequences, in another order each.
 
 /// Places in [0, 1)² of the samples of pixel (x, y), from its top left corner.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,25 @@ impl Places {
     pub(super) fn at(self, sample: u32) -> [f64; 2] {
         let bits = [sample.reverse_bits(), second_dimension(sample)];
         [0, 1].map(|k| f64::from(scrambled(bits[k], self.seeds[k])) / 2f64.powi(32))
+    }
+
+    /// Two dimensions more, numbered from 0.
+    pub(super) fn further(self, number: u32) -> Further {
+        let seed = hashed(self.seeds[0] ^ hashed(self.seeds[1] ^ hashed(number)));
+        Further { places: Self { seeds: [hashed(seed), hashed(!seed)] }, order: seed }
+    }
+}
+
+/// Places in [0, 1)² that nothing ties to the first ones: two dimensions more, of samples or of what follows them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Further {
+    places: Places,
+    order: u32,
+}
+
+impl Further {
+    pub(super) fn at(self, sample: u32) -> [f64; 2] {
+        self.places.at(scrambled(sample, self.order))
     }
 }
 
@@ -58,18 +78,38 @@ mod tests {
     fn every_elementary_interval_of_a_power_of_two_holds_one_sample() {
         for (x, y) in [(0, 0), (7, 3), (640, 359), (16383, 16383)] {
             let places = Places::of_pixel(x, y);
-            for log in 0..=10u32 {
-                for wide in 0..=log {
-                    let (columns, rows) = (1u32 << wide, 1u32 << (log - wide));
-                    let mut seen = vec![0; 1 << log];
-                    for sample in 0..1 << log {
-                        let [u, v] = places.at(sample);
-                        let (i, j) = ((u * f64::from(columns)) as u32, (v * f64::from(rows)) as u32);
-                        seen[(j * columns + i) as usize] += 1;
-                    }
-                    assert!(seen.iter().all(|count| *count == 1), "({x}, {y}), {columns} x {rows}");
+            assert_stratified(|sample| places.at(sample));
+            assert_stratified(|sample| places.further(1).at(sample));
+        }
+    }
+
+    fn assert_stratified(place: impl Fn(u32) -> [f64; 2]) {
+        for log in 0..=10u32 {
+            for wide in 0..=log {
+                let (columns, rows) = (1u32 << wide, 1u32 << (log - wide));
+                let mut seen = vec![0; 1 << log];
+                for sample in 0..1 << log {
+                    let [u, v] = place(sample);
+                    let (i, j) = ((u * f64::from(columns)) as u32, (v * f64::from(rows)) as u32);
+                    seen[(j * columns + i) as usize] += 1;
                 }
+                assert!(seen.iter().all(|count| *count == 1), "{columns} x {rows}");
             }
+        }
+    }
+
+    #[test]
+    fn further_dimensions_are_not_tied_to_the_first() {
+        let places = Places::of_pixel(3, 5);
+        let pairs = [[places.further(0), places.further(1)], [places.further(7), places.further(8)]];
+        for [a, b] in pairs {
+            let mut seen = [0; 16];
+            for sample in 0..4096 {
+                let ([u, _], [s, _]) = (a.at(sample), b.at(sample));
+                seen[(u * 4.0) as usize + 4 * (s * 4.0) as usize] += 1;
+            }
+            // Five standard deviations of how many of 4096 fall into a sixteenth.
+            assert!(seen.iter().all(|count| (i32::abs(count - 256)) < 78), "{seen:?}");
         }
     }
 

@@ -1,15 +1,19 @@
-//! Light as the renderer defines it: Phong's model for lights that have a place or a direction, and ambient light.
-
-use std::f64::consts::FRAC_1_PI;
+//! Light as the renderer defines it: what arrives of what has a place or a direction, and how a surface answers to it and
+//! to its surroundings.
+//!
+//! Surroundings are taken from the whole hemisphere of the shading normal, also where a normal map bends it and some of
+//! that is below the real surface: the renderer fades reflections there.
 
 use glam::DVec3;
 
-use super::world::{Seen, blend};
+use super::{
+    brdf::Microfacets,
+    environment::Sky,
+    lobe::{Directions, Lobe, reflected},
+    phong::Phong,
+    world::Seen,
+};
 use crate::domain::image::{LightShape, Lighting, RenderLight, Shading};
-
-/// Share and exponent of the highlight, the same for every material.
-const HIGHLIGHT: f64 = 0.2;
-const SHININESS: i32 = 32;
 
 /// A light as it arrives at a place.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +21,7 @@ pub(super) struct Arriving {
     /// Unit, towards the light.
     pub(super) direction: DVec3,
     pub(super) distance: f64,
-    irradiance: DVec3,
+    pub(super) irradiance: DVec3,
 }
 
 /// What arrives of a light where nothing is in between (KHR_lights_punctual).
@@ -44,21 +48,6 @@ fn from(light: DVec3, range: Option<f32>, color: DVec3, position: DVec3) -> Arri
     Arriving { direction: (light - position) / distance, distance, irradiance: color * window / distance.powi(2) }
 }
 
-/// What comes back towards `eye` of a light that arrives, or 0 from behind: diffuse white, and the highlight.
-type Reflection = (DVec3, DVec3);
-
-/// Phong 1975.
-fn reflection(light: &RenderLight, position: DVec3, normal: DVec3, eye: Eye) -> Reflection {
-    let light = arriving(light, position);
-    let cosine = normal.dot(light.direction);
-    if cosine <= 0.0 {
-        return (DVec3::ZERO, DVec3::ZERO);
-    }
-    let mirrored = 2.0 * cosine * normal - light.direction;
-    let highlight = HIGHLIGHT * mirrored.dot(eye.from(position)).max(0.0).powi(SHININESS);
-    (light.irradiance * (cosine * FRAC_1_PI), light.irradiance * (highlight * FRAC_1_PI))
-}
-
 /// Where the viewer is.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Eye {
@@ -68,7 +57,8 @@ pub(super) enum Eye {
 }
 
 impl Eye {
-    fn from(self, position: DVec3) -> DVec3 {
+    /// Unit.
+    pub(super) fn from(self, position: DVec3) -> DVec3 {
         match self {
             Self::At(eye) => (eye - position).normalize(),
             Self::Towards(direction) => direction,
@@ -76,25 +66,48 @@ impl Eye {
     }
 }
 
-/// What comes back of a light towards the eye, were nothing in between.
-pub(super) fn direct(shading: Shading, light: &RenderLight, seen: &Seen, eye: Eye) -> DVec3 {
-    let (diffuse, highlight) = match shading {
-        Shading::Flat => {
-            let centre = seen.vertices.iter().map(|vertex| vertex.0).sum::<DVec3>() / 3.0;
-            reflection(light, centre, seen.facing, eye)
-        }
-        Shading::Gouraud => {
-            let of = seen.vertices.map(|(position, normal)| reflection(light, position, normal, eye));
-            (blend(seen.weights, of.map(|r| r.0)), blend(seen.weights, of.map(|r| r.1)))
-        }
-        Shading::Phong | Shading::Pbr => reflection(light, seen.position, seen.look.normal, eye),
-    };
-    diffuse * seen.look.base.truncate() + highlight
+/// How a place answers to light.
+pub(super) enum Model<'s> {
+    Phong(Phong<'s>),
+    Pbr { seen: &'s Seen, surface: Microfacets },
 }
 
-/// What comes back of ambient light, and what shines by itself.
-pub(super) fn indirect(lighting: &Lighting, seen: &Seen) -> DVec3 {
-    f64::from(lighting.ambient) * seen.look.open * seen.look.base.truncate() + seen.look.emissive
+impl<'s> Model<'s> {
+    pub(super) fn new(shading: Shading, seen: &'s Seen, eye: Eye) -> Self {
+        let look = &seen.look;
+        if shading != Shading::Pbr {
+            return Self::Phong(Phong { shading, seen, eye });
+        }
+        let (base, view) = (look.base.truncate(), eye.from(seen.position));
+        Self::Pbr { seen, surface: Microfacets::new(base, look.metallic, look.roughness, look.normal, view) }
+    }
+
+    /// What comes back of a light towards the eye, were nothing in between.
+    pub(super) fn direct(&self, light: &RenderLight) -> DVec3 {
+        match self {
+            Self::Phong(phong) => phong.direct(light),
+            Self::Pbr { seen, surface } => {
+                let light = arriving(light, seen.position);
+                light.irradiance * surface.value(light.direction)
+            }
+        }
+    }
+
+    /// What comes back of light from everywhere, and what shines by itself.
+    pub(super) fn indirect(&self, lighting: &Lighting, sky: Option<&Sky<'_>>, directions: &Directions) -> DVec3 {
+        let ambient = f64::from(lighting.ambient);
+        let (seen, around) = match self {
+            Self::Phong(phong) => {
+                let sky = sky.map_or(DVec3::ZERO, |sky| phong.reflected(sky, directions));
+                (phong.seen, ambient * phong.seen.look.base.truncate() + sky)
+            }
+            Self::Pbr { seen, surface } => {
+                let sky = sky.map_or(DVec3::ZERO, |sky| reflected(sky, surface, directions));
+                (*seen, ambient * surface.share_of_everywhere() + sky)
+            }
+        };
+        seen.look.open * around + seen.look.emissive
+    }
 }
 
 fn wide(v: [f32; 3]) -> DVec3 {
@@ -104,20 +117,6 @@ fn wide(v: [f32; 3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn light_that_comes_back_the_way_it_came_is_brightest() {
-        let light = RenderLight { ..RenderLight::sun([0.0, 1.0, 0.0]) };
-        let at = |normal, eye| reflection(&light, DVec3::ZERO, normal, Eye::Towards(eye));
-        let near = |a: DVec3, b: f64| (a - b).abs().max_element() < 1e-6;
-        let (diffuse, highlight) = at(DVec3::Y, DVec3::Y);
-        assert!(near(diffuse, 1.0) && near(highlight, 0.2), "{diffuse} {highlight}");
-        assert!(near(at(DVec3::Y, DVec3::X).1, 0.0));
-        assert_eq!(at(-DVec3::Y, DVec3::Y), (DVec3::ZERO, DVec3::ZERO));
-        // The mirrored light lies at twice the tilt: its cosine to +Y is 2 · 0.8² − 1.
-        let (diffuse, highlight) = at(DVec3::new(0.6, 0.8, 0.0), DVec3::Y);
-        assert!(near(diffuse, 0.8) && near(highlight, 0.2 * 0.28f64.powi(32)), "{diffuse} {highlight}");
-    }
 
     #[test]
     fn a_point_one_unit_away_shines_as_the_sun_does() {
