@@ -3,6 +3,7 @@
 
 mod agreement;
 mod closed_forms;
+mod light;
 mod product;
 
 use std::sync::Arc;

@@ -67,6 +67,7 @@ impl Eye {
 }
 
 /// How a place answers to light.
+#[expect(clippy::large_enum_variant, reason = "one lives at a time, on the stack")]
 pub(super) enum Model<'s> {
     Phong(Phong<'s>),
     Pbr { seen: &'s Seen, surface: Microfacets },
