@@ -50,7 +50,7 @@ fn tiles(lighting: Lighting) -> RenderScene {
             positions: Arc::new(vec![corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]),
             normals: Arc::new(vec![normal; 4]),
             uvs: Arc::new(vec![[0.0; 2]; 4]),
-            triangles: Arc::new(vec![[0, 1, 2], [0, 2, 3]]),
+            triangles: Arc::new(vec![[0, 2, 1], [0, 3, 2]]),
             ..RenderMesh::default()
         };
         let roughness = i as f32 / (columns - 1) as f32;
@@ -86,8 +86,8 @@ fn lamps() -> Lighting {
 fn assert_lamps_agree(image: &ImageSet) {
     let off = differences(image, &traced(&tiles(lamps()), size(), 16));
     let worst = off.iter().fold(0.0, |most, off| f64::max(most, *off));
-    // Both have the same formula; the renderer's table of albedo is read along lines.
-    assert!(worst < 2e-3, "{off:?}");
+    // Both have the same formula; the renderer reads its table of albedo along lines, the oracle one of its own.
+    assert!(worst < 4e-3, "{worst} of {off:?}");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn assert_surroundings_agree(render: impl Fn(&RenderScene) -> ImageSet) {
         let mean = mean_difference(&render(&scene), &expected);
         println!("{shading:?}: {mean} of {light}");
         // Edges are four samples, and mirrors and lobes see levels of the sky's map; the oracle's rays have noise.
-        assert!(mean < 0.05 * light, "{shading:?}: {mean} of {light}");
+        assert!(mean < 0.03 * light, "{shading:?}: {mean} of {light}");
     }
 }
 
