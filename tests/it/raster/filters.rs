@@ -129,7 +129,7 @@ fn run(filter: Filter, maps: &[Vec<Level>], places: &[Place]) -> Vec<[f32; 4]> {
         let used = TextureUse {
             map_u: [1.0, 0.0, 0.0],
             map_v: [0.0, 1.0, 0.0],
-            wrap: wrap % 3 | wrap / 3 << 2,
+            wrap: (wrap % 3) | ((wrap / 3) << 2),
             uv_channel: 0,
             level_first: firsts[map],
             level_count: maps[map].len() as u32,
