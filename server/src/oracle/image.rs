@@ -10,7 +10,8 @@
 //! | `image/shading.rs` | from points to colours |
 //! | `image/phong.rs` | Phong's model |
 //! | `image/brdf.rs` | the metallic-roughness model |
-//! | `image/albedo.rs` | what facets reflect once of light from everywhere, by `image/quadrature.rs` |
+//! | `image/albedo.rs` | what facets reflect once of light from everywhere |
+//! | `image/quadrature.rs` | integrals along a line |
 //! | `image/environment.rs` | light from endlessly far away, by direction |
 //! | `image/lobe.rs` | the integral of such light over what a surface reflects |
 //! | `image/sampling.rs` | where the samples of a pixel lie |
