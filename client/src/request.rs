@@ -9,7 +9,7 @@ use displace_proto::v1::{self, layer, view};
 use crate::{
     args::{
         AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg,
-        PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        MomentsArg, PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -224,6 +224,10 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         AlphaArg::Blend => v1::AlphaMode::Blend,
         AlphaArg::Stochastic => v1::AlphaMode::Stochastic,
     };
+    let moments = match args.moments {
+        MomentsArg::Off => v1::Moments::Off,
+        MomentsArg::On => v1::Moments::On,
+    };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
@@ -232,6 +236,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         filter: filter.into(),
         environment,
         alpha: alpha.into(),
+        moments: moments.into(),
     }
 }
 

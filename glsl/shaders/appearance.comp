@@ -36,26 +36,7 @@ const uint HAS_METALLIC_ROUGHNESS = 4u;
 const uint HAS_OCCLUSION = 8u;
 const uint HAS_EMISSIVE = 16u;
 
-// Unnormalised tangent and bitangent as MikkTSpace has them: interpolated, not made orthogonal to the normal.
-vec3 mapped_direction(SurfacePoint point, vec3 n) {
-    vec4 tangent = vec4(0.0);
-    for (uint k = 0u; k < 3u; ++k) {
-        tangent += LOAD(tangents, point.triangle * 3u + k) * point.at[k];
-    }
-    uint row = point.instance * INSTANCE_ROWS + WORLD_ROW;
-    vec3 t;
-    for (uint k = 0u; k < 3u; ++k) {
-        t[k] = dot(LOAD(instance_rows, row + k).xyz, tangent.xyz);
-    }
-    float length_squared = dot(t, t);
-    if (length_squared < 1e-30 || tangent.w == 0.0) {
-        return vec3(0.0);
-    }
-    t *= inversesqrt(length_squared);
-    vec3 front = point.normal * point.flip;
-    vec3 b = sign(tangent.w) * cross(front, t);
-    return point.flip * (n.x * t + n.y * b + n.z * front);
-}
+#include "mapped_direction.glsl"
 
 vec3 shading_normal(SurfacePoint point, Material m, uint i) {
     vec3 n = LOAD(mapped_normal, i).xyz * vec3(m.normal_scale, m.normal_scale, 1.0);

@@ -63,23 +63,39 @@ vec3 around(Reflectance surface, Albedo seen) {
     return seen.multiple + surface.diffuse * seen.below;
 }
 
+// What leaves beside the light that single facets mirror: passed on between facets, and from below them; per steradian,
+// times pi. Both fall with what single facets reflect to either side, so that directions can be exchanged.
+struct Beside {
+    vec3 multiple;
+    vec3 below;
+};
+
+Beside beside_pi(Reflectance surface, Albedo seen, vec3 fresnel, float nl, bool multiple) {
+    if (!multiple) {
+        return Beside(vec3(0.0), surface.diffuse * (1.0 - fresnel));
+    }
+    Albedo lit = albedo(surface, nl, true);
+    vec3 average = table_average(surface.roughness);
+    vec3 passed = passed_on(surface.f0, average.z) * average.z;
+    vec3 below = 1.0 - (surface.f0 * average.x + average.y) - passed;
+    return Beside(
+        seen.multiple * lit.multiple / max(passed, vec3(1e-12)),
+        surface.diffuse * seen.below * lit.below / max(below, vec3(1e-12)));
+}
+
+vec3 fresnel_of(Reflectance surface, float vh) {
+    return surface.f0 + (1.0 - surface.f0) * grazing(vh);
+}
+
 // Share of light from `l` that leaves towards `v`, per steradian, times pi; all unit, `n` as `visible_normal` has it, `l`
-// in front of the surface. `seen`: the albedo towards `v`. What facets pass on and what comes from below them falls with
-// what single facets reflect to either side, so that directions can be exchanged.
+// in front of the surface. `seen`: the albedo towards `v`.
 vec3 brdf_pi(Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 l, bool multiple) {
     float nv = clamp(dot(n, v), MIN_COSINE, 1.0);
     float nl = min(dot(n, l), 1.0);
     vec3 h = normalize(v + l);
     vec3 across = cross(n, h);
     float lobe = PI * distribution(surface.alpha, dot(n, h), dot(across, across)) * visibility(surface.alpha, nv, nl);
-    vec3 fresnel = surface.f0 + (1.0 - surface.f0) * grazing(dot(v, h));
-    if (!multiple) {
-        return fresnel * lobe + surface.diffuse * (1.0 - fresnel);
-    }
-    Albedo lit = albedo(surface, nl, true);
-    vec3 average = table_average(surface.roughness);
-    vec3 passed = passed_on(surface.f0, average.z) * average.z;
-    vec3 below = 1.0 - (surface.f0 * average.x + average.y) - passed;
-    return fresnel * lobe + seen.multiple * lit.multiple / max(passed, vec3(1e-12))
-        + surface.diffuse * seen.below * lit.below / max(below, vec3(1e-12));
+    vec3 fresnel = fresnel_of(surface, dot(v, h));
+    Beside beside = beside_pi(surface, seen, fresnel, nl, multiple);
+    return fresnel * lobe + beside.multiple + beside.below;
 }

@@ -19,6 +19,12 @@ DATA = HERE.parent / "data"
 SIZE = "--size 320x240"
 FLOOR = f"floor.glb {SIZE} --eye 0,0.5,4 --look-at 0,0,-2 --fov 50 --light 0,1,0 --ambient 0"
 BALL = f"ball.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1"
+WAVES = "waves.glb --size 240x180 --fov 45 --look-at 0,0,0 --light 0,1,-1 --ambient 0.02 --shading pbr"
+MOMENTS = {
+    f"moments/{distance}-{name}": f"render {WAVES} --eye 0,{2 * distance},{2 * distance} {flags}"
+    for distance in (1, 4, 16)
+    for name, flags in (("off", ""), ("on", "--moments on"), ("supersampled", "--filter bilinear --supersample 1024"))
+}
 PICTURES = {
     # Filters on a checker floor: rows 7 to 12.
     "filter-nearest": f"render {FLOOR} --filter nearest",
@@ -47,6 +53,8 @@ PICTURES = {
     "shadows-none": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr",
     "shadows-ray": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr --shadows ray",
     "shadows-displaced": f"render ball.glb {SIZE} --height maps/abstract_height.png --scale 0.15 --uniform 4 --orbit 20,15,3.6 --light 1,0.4,0.2 --shading pbr --shadows ray",
+    # Row 27: filtering of normals.
+    **MOMENTS,
     "texture-transform": f"render TextureTransformTest/TextureTransformTest.gltf {SIZE} --shading pbr --ambient 1 --light 0,0,1",
 }
 
@@ -118,6 +126,24 @@ def bump(x: int, y: int):
     return *(round(127.5 + 127.5 * c) for c in (nx, ny, nz)), 255
 
 
+def wave_map(side: int):
+    """A normal map of waves of every direction: slopes of 0.15 along either axis, nearly Gaussian."""
+    waves = []
+    for k in range(32):
+        length, turn = 4 + 12 * (0.618 * k % 1), 2.4 * k
+        waves.append((round(length * math.cos(turn)), round(length * math.sin(turn)), 0.755 * k % 1))
+
+    def normal(x: int, y: int):
+        a = b = 0.0
+        for u, v, phase in waves:
+            slope = 0.053 * math.sin(2 * math.pi * ((u * x + v * y) / side + phase)) / math.hypot(u, v)
+            a, b = a + u * slope, b + v * slope
+        size = math.sqrt(1 + a * a + b * b)
+        return *(round(127.5 + 127.5 * c / size) for c in (a, b, 1)), 255
+
+    return png(side, side, normal)
+
+
 def leaf(x: int, y: int):
     dx, dy = (x % 32 - 15.5) / 16, (y % 32 - 15.5) / 16
     alpha = max(0.0, 1 - dx * dx - dy * dy) ** 0.5
@@ -150,6 +176,10 @@ def scenes(folder: Path) -> None:
     glb(folder / "mirror.glb", grid(64, 32, on_ball), plain(1, 0), [])
     bumpy = {**plain(0, 0.4), "normalTexture": {"index": 0}}
     glb(folder / "bumps.glb", grid(48, 24, on_ball), bumpy, [png(256, 128, bump)])
+    sea = lambda u, v: ((400 * (u - 0.5), 0, 400 * (v - 0.5)), (0, 1, 0))  # noqa: E731
+    positions, normals, uvs, triangles = grid(1, 1, sea)
+    wavy = {**plain(1, 0.25), "normalTexture": {"index": 0}}
+    glb(folder / "waves.glb", (positions, normals, [(200 * u, 200 * v) for u, v in uvs], triangles), wavy, [wave_map(128)])
     sheets = grid(1, 1, lambda u, v: ((2 * u - 1, 0, 2 * v - 1), (0, 1, 0)))
     levels = [[(x, 0.35 * k, z) for x, _, z in sheets[0]] for k in range(3)]
     stacked = sum(levels, []), sheets[1] * 3, sheets[2] * 3, [tuple(i + 4 * k for i in t) for k in range(3) for t in sheets[3]]
@@ -168,7 +198,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         scenes(Path(folder))
         for name in names:
-            out = HERE / "shading" / f"{name}.png"
+            out = HERE / (f"{name}.png" if "/" in name else f"shading/{name}.png")
             subprocess.run([displace, *shlex.split(PICTURES[name]), "--quiet", "-o", out], cwd=folder, check=True)
             print(out)
     return 0

@@ -5,6 +5,7 @@ mod alpha;
 mod filters;
 mod light;
 mod looks;
+mod moments;
 mod passes;
 pub(crate) mod scenes;
 

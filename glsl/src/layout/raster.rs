@@ -168,6 +168,17 @@ mirrors! {
         pub has_colors: u32,
     }
 
+    pub struct MomentsParams {
+        pub count: u32,
+        pub uv_channels: u32,
+    }
+
+    /// One standard deviation of slopes of normals along their principal axes.
+    pub struct Spread {
+        pub major: [f32; 3],
+        pub minor: [f32; 3],
+    }
+
     pub struct MaskedParams {
         pub count: u32,
         pub slab_px: [i32; 2],
@@ -250,12 +261,13 @@ pub const MATERIAL_NORMAL_MAP: u32 = 2;
 pub const MATERIAL_STOCHASTIC: u32 = 4;
 
 /// What each place of a material's map slots holds.
-pub const MAP_SLOTS: usize = 5;
+pub const MAP_SLOTS: usize = 6;
 pub const MAP_BASE_COLOR: usize = 0;
 pub const MAP_NORMAL: usize = 1;
 pub const MAP_METALLIC_ROUGHNESS: usize = 2;
 pub const MAP_OCCLUSION: usize = 3;
 pub const MAP_EMISSIVE: usize = 4;
+pub const MAP_NORMAL_MOMENTS: usize = 5;
 
 /// `BvhNode::first` of a node that has nodes below it.
 pub const BVH_INNER: u32 = u32::MAX;

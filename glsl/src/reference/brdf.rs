@@ -139,7 +139,7 @@ pub fn brdf(surface: &Reflectance, table: &Table, n: DVec3, v: DVec3, l: DVec3, 
 
 /// What facets pass on to each other, and what comes from below them: both fall with what single facets reflect to
 /// either side, so that directions can be exchanged.
-fn around(surface: &Reflectance, table: &Table, nv: f64, nl: f64) -> DVec3 {
+pub(super) fn around(surface: &Reflectance, table: &Table, nv: f64, nl: f64) -> DVec3 {
     let (seen, lit) = (albedo(surface, table, nv, true), albedo(surface, table, nl, true));
     let [scale, bias, lost] = table.average(surface.roughness);
     // The means over directions of light of `lit.multiple` and `lit.below`.

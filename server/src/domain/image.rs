@@ -6,7 +6,7 @@ mod plan;
 
 use std::sync::Arc;
 
-use displace_glsl::layout::raster::MAP_SLOTS;
+use displace_glsl::layout::raster::{MAP_NORMAL_MOMENTS, MAP_SLOTS};
 use glam::DMat4;
 
 use super::{
@@ -68,6 +68,7 @@ impl RenderScene {
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
             has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
+            has_moments: self.has_map(MAP_NORMAL_MOMENTS),
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),
         }
@@ -121,7 +122,7 @@ pub struct RenderMaterial {
     pub emissive_factor: [f32; 3],
     pub normal_scale: f32,
     pub occlusion_strength: f32,
-    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1].
+    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1], or slopes where there are moments.
     pub maps: [Option<RenderMap>; MAP_SLOTS],
     pub double_sided: bool,
     pub alpha: RenderAlpha,

@@ -4,10 +4,12 @@
 
 mod color;
 mod float_tiff;
+mod moments;
 mod pixels;
 mod resolve;
 
 pub use color::{Encoding, color_map, texture_map};
+pub use moments::SlopeMaps;
 pub use pixels::{Pixels, decode};
 pub use resolve::{AssetBytes, Details, resolve};
 

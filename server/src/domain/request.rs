@@ -273,6 +273,8 @@ pub struct Look {
     pub shadows: Shadows,
     /// Equirectangular map of radiance.
     pub environment: Option<Digest>,
+    /// Whether slopes of normal maps are filtered with their second moments.
+    pub moments: bool,
 }
 
 /// Whether surfaces take each other's light.

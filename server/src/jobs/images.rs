@@ -18,16 +18,17 @@ use crate::domain::{
     weld::mikk_tangents,
 };
 
-/// Consumes the surfaces: their streams become the renderer's without a copy.
+/// Consumes the surfaces: their streams become the renderer's without a copy. `moments`: with those of slopes.
 pub(super) fn render_scene(
     request: &RenderRequest,
     scene: &mut Scene,
     surfaces: Vec<Surface>,
     environment: Option<Arc<Environment>>,
+    moments: bool,
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials);
-    let materials = looks::materials(scene, &sets, request.look.alpha)?;
+    let materials = looks::materials(scene, &sets, request.look.alpha, moments)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();

@@ -97,7 +97,10 @@ impl RenderWork {
         context.cancel.check()?;
         let decode = || {
             let environment = looks::environment(&request.look, context.assets)?;
-            images::render_scene(request, &mut inputs.scene, surfaces, environment)
+            // Rays show every normal.
+            let traces = request.rays().is_some() && context.executor.traces_rays();
+            let moments = request.look.moments && !traces;
+            images::render_scene(request, &mut inputs.scene, surfaces, environment, moments)
         };
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;

@@ -44,6 +44,8 @@ pub struct ImageContents {
     pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
     pub shadow_lights: u32,
+    /// Some material's slopes are filtered with their moments.
+    pub has_moments: bool,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
     pub aovs: Vec<Aov>,
@@ -126,7 +128,8 @@ impl ImageContents {
             + 16
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
-            + if self.environment.is_some() { 36 } else { 0 };
+            + if self.environment.is_some() { 36 } else { 0 }
+            + if self.has_moments { 24 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();

@@ -17,6 +17,7 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
     let mut lighting = lighting.unwrap_or_default();
     let environment = lighting.environment.take();
     let ambient = if environment.is_some() { 0.0 } else { DEFAULT_AMBIENT };
+    let shading = shading(&join(path, "shading"), lighting.shading)?;
     Ok(Look {
         lights: lights(&join(path, "lights"), lighting.lights)?,
         ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(ambient), 0.0, 1.0)?,
@@ -25,12 +26,8 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
         },
-        shading: match known::<v1::Shading>(&join(path, "shading"), lighting.shading)? {
-            v1::Shading::Flat => Shading::Flat,
-            v1::Shading::Gouraud => Shading::Gouraud,
-            v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
-            v1::Shading::Pbr => Shading::Pbr,
-        },
+        shading,
+        moments: moments(&join(path, "moments"), lighting.moments, shading)?,
         filter: match known::<v1::Filter>(&join(path, "filter"), lighting.filter)? {
             v1::Filter::Nearest => Filter::Nearest,
             v1::Filter::Bilinear => Filter::Bilinear,
@@ -44,6 +41,25 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::AlphaMode::Stochastic => AlphaMode::Stochastic,
         },
     })
+}
+
+fn shading(path: &str, shading: i32) -> Result<Shading> {
+    Ok(match known::<v1::Shading>(path, shading)? {
+        v1::Shading::Flat => Shading::Flat,
+        v1::Shading::Gouraud => Shading::Gouraud,
+        v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
+        v1::Shading::Pbr => Shading::Pbr,
+    })
+}
+
+/// Phong's model has no roughness that normals could add to.
+fn moments(path: &str, moments: i32, shading: Shading) -> Result<bool> {
+    let is_on = known::<v1::Moments>(path, moments)? == v1::Moments::On;
+    if is_on && shading != Shading::Pbr {
+        let message = "is on, which the metallic-roughness model alone shows; take --shading pbr, or leave it off";
+        return Err(Error::unsupported(path, message));
+    }
+    Ok(is_on)
 }
 
 fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {

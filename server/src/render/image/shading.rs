@@ -5,8 +5,8 @@ use displace_glsl::{
     SHADERS,
     layout::raster::{
         AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
-        MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
-        ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
+        MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS, MomentsParams, OUTPUT_DEPTH, OUTPUT_NORMAL,
+        OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -64,6 +64,7 @@ pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, co
         return Ok(());
     }
     record_appearance(recorder, frame, count)?;
+    record_moments(recorder, frame, count)?;
     record_shadows(recorder, frame, count)?;
     light::record(recorder, frame, count)
 }
@@ -147,6 +148,28 @@ fn record_look(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Re
         ("appearances", &work.appearances),
     ];
     Ok(recorder.dispatch(&SHADERS.appearance, count, &params, &bound)?)
+}
+
+/// How the normals of the first `count` fragments scatter; nothing without moments.
+fn record_moments(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    if work.spreads.is_empty() {
+        return Ok(());
+    }
+    let params = MomentsParams { count: count as u32, uv_channels: scene.uv_channels };
+    let bound = [
+        ("points", &work.points),
+        ("materials", &streams.materials),
+        ("tangents", &streams.tangents),
+        ("instance_rows", &streams.instance_rows),
+        ("maps", &streams.texture_uses),
+        ("uvs", &streams.uvs),
+        ("levels", &streams.levels),
+        ("mapped_normal", &work.mapped[MAP_NORMAL]),
+        ("mapped_normal_moments", &work.mapped[MAP_NORMAL_MOMENTS]),
+        ("spreads", &work.spreads),
+    ];
+    Ok(recorder.dispatch(&SHADERS.moments, count, &params, &bound)?)
 }
 
 fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use displace_glsl::layout::{
     light::Surroundings,
-    raster::{Appearance, Fragment, LISTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX},
+    raster::{
+        Appearance, Fragment, LISTS, MAP_NORMAL_MOMENTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, Spread,
+        SurfacePoint, TILE_PX,
+    },
 };
 
 use crate::{
@@ -217,6 +220,8 @@ pub(crate) struct WorkStreams {
     /// What the maps of each kind show of each fragment; empty where no material has any.
     pub(crate) mapped: [Stream; MAP_SLOTS],
     pub(crate) appearances: Stream,
+    /// How the normals of each fragment scatter; empty without moments.
+    pub(crate) spreads: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
     pub(crate) shadows: Stream,
     /// What each fragment sees of an environment; empty without one.
@@ -302,6 +307,7 @@ impl WorkStreams {
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
             mapped: mapped(device, scene, fragments)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
+            spreads: new("spreads", size_of::<Spread>(), if scene.has_map(MAP_NORMAL_MOMENTS) { samples } else { 0 })?,
             shadows: new(
                 "shadows",
                 4,

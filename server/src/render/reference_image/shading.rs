@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::raster::{MAP_BASE_COLOR, MAP_SLOTS, Material, PART_MIRRORED},
+    layout::raster::{MAP_BASE_COLOR, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_SLOTS, Material, PART_MIRRORED},
     reference::{
         appearance::{Appearance, Under, appearance},
         mip::Level,
+        moments::{self, Spread},
         surface::{Barycentrics, barycentrics},
         surroundings::Change,
         texture,
@@ -25,6 +26,8 @@ pub(super) struct Hit {
     pub(super) position: DVec3,
     pub(super) uv: DVec2,
     pub(super) look: Appearance,
+    /// Of its normals; none where moments are not asked for.
+    pub(super) spread: Option<Spread>,
     /// Interpolated, towards the viewer's side.
     pub(super) normal: DVec3,
     pub(super) facing: DVec3,
@@ -40,11 +43,13 @@ pub(super) struct Shader {
     /// Mip levels of each material's maps.
     maps: Vec<[Option<Arc<Vec<Level>>>; MAP_SLOTS]>,
     filter: texture::Filter,
+    /// Some material's slopes have them.
+    moments: bool,
 }
 
 impl Shader {
     pub(super) fn new(scene: &RenderScene) -> Self {
-        Self { maps: map_levels(scene), filter: twin(scene.filter) }
+        Self { maps: map_levels(scene), filter: twin(scene.filter), moments: scene.has_map(MAP_NORMAL_MOMENTS) }
     }
 
     pub(super) fn hit(&self, place: &Place<'_>, source: &RenderMaterial, factors: &Material, at_px: [f64; 2]) -> Hit {
@@ -59,10 +64,12 @@ impl Shader {
         let position_change = |weights: DVec3| place.position_change(weights);
         let corner = |weights: DVec3| (place.position(weights), flip * place.normal(weights));
         let base_channel = source.maps[MAP_BASE_COLOR].as_ref().map_or(0, |map| map.uv_channel);
+        let mapped = self.mapped(place, source, &b);
         Hit {
             position: place.position(b.at),
             uv: place.uv(base_channel, b.at),
-            look: appearance(factors, &under, &self.mapped(place, source, &b)),
+            look: appearance(factors, &under, &mapped),
+            spread: self.spread(place, source, factors, &under, &mapped, &b),
             normal,
             facing: flip * place.front(),
             change: Change { normal: [b.dx, b.dy].map(normal_change), position: [b.dx, b.dy].map(position_change) },
@@ -83,6 +90,25 @@ impl Shader {
         }
     }
 
+    /// How the normals under a pixel scatter.
+    fn spread(
+        &self,
+        place: &Place<'_>,
+        source: &RenderMaterial,
+        factors: &Material,
+        under: &Under,
+        mapped: &[DVec4; MAP_SLOTS],
+        b: &Barycentrics,
+    ) -> Option<Spread> {
+        let Some(map) = &source.maps[MAP_NORMAL_MOMENTS] else { return self.moments.then(Spread::default) };
+        let scale = f64::from(factors.normal_scale);
+        let [dx, dy] = sides(place, map, b);
+        let share = scale * scale * moments::covered(dx, dy);
+        let mean = mapped[MAP_NORMAL].truncate().truncate();
+        let sigma = moments::covariance(mean, mapped[MAP_NORMAL_MOMENTS].truncate().to_array()).map(|s| share * s);
+        Some(moments::in_world(under, scale * mean, sigma))
+    }
+
     /// What each map shows; white where there is none.
     fn mapped(&self, place: &Place<'_>, source: &RenderMaterial, b: &Barycentrics) -> [DVec4; MAP_SLOTS] {
         let levels = &self.maps[place.part.material as usize];
@@ -91,6 +117,12 @@ impl Shader {
             _ => DVec4::ONE,
         })
     }
+}
+
+/// Where a pixel's corners lie apart on a map, texels.
+fn sides(place: &Place<'_>, map: &RenderMap, b: &Barycentrics) -> [DVec2; 2] {
+    let size = DVec2::new(map.map.width.into(), map.map.height.into());
+    [b.dx, b.dy].map(|weights| DVec2::from_array(on_map(map, place.uv(map.uv_channel, weights), 0.0)) * size)
 }
 
 fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels: &[Level], b: &Barycentrics) -> DVec4 {
