@@ -19,7 +19,7 @@ DATA = HERE.parent / "data"
 SIZE = "--size 320x240"
 FLOOR = f"floor.glb {SIZE} --eye 0,0.5,4 --look-at 0,0,-2 --fov 50 --light 0,1,0 --ambient 0"
 BALL = f"ball.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1"
-WAVES = "waves.glb --size 240x180 --fov 45 --look-at 0,0,0 --light 0,1,-1 --ambient 0.02 --shading pbr"
+WAVES = "waves.glb --size 144x108 --fov 45 --look-at 0,0,0 --light 0,1,-1 --ambient 0.2 --shading pbr"
 MOMENTS = {
     f"moments/{distance}-{name}": f"render {WAVES} --eye 0,{2 * distance},{2 * distance} {flags}"
     for distance in (1, 4, 16)
@@ -53,7 +53,7 @@ PICTURES = {
     "shadows-none": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr",
     "shadows-ray": f"render Suzanne/Suzanne.gltf {SIZE} --orbit 25,8,3.9 --light 1,1,0.4 --light point:-2,1,2 --shading pbr --shadows ray",
     "shadows-displaced": f"render ball.glb {SIZE} --height maps/abstract_height.png --scale 0.15 --uniform 4 --orbit 20,15,3.6 --light 1,0.4,0.2 --shading pbr --shadows ray",
-    # Row 27: filtering of normals.
+    # Normal maps from afar.
     **MOMENTS,
     "texture-transform": f"render TextureTransformTest/TextureTransformTest.gltf {SIZE} --shading pbr --ambient 1 --light 0,0,1",
 }
@@ -178,8 +178,9 @@ def scenes(folder: Path) -> None:
     glb(folder / "bumps.glb", grid(48, 24, on_ball), bumpy, [png(256, 128, bump)])
     sea = lambda u, v: ((400 * (u - 0.5), 0, 400 * (v - 0.5)), (0, 1, 0))  # noqa: E731
     positions, normals, uvs, triangles = grid(1, 1, sea)
-    wavy = {**plain(1, 0.25), "normalTexture": {"index": 0}}
-    glb(folder / "waves.glb", (positions, normals, [(200 * u, 200 * v) for u, v in uvs], triangles), wavy, [wave_map(128)])
+    dim = {"baseColorFactor": [0.1, 0.07, 0.04, 1], "metallicFactor": 1, "roughnessFactor": 0.25}
+    wavy = {"pbrMetallicRoughness": dim, "normalTexture": {"index": 0}}
+    glb(folder / "waves.glb", (positions, normals, [(400 * u, 400 * v) for u, v in uvs], triangles), wavy, [wave_map(128)])
     sheets = grid(1, 1, lambda u, v: ((2 * u - 1, 0, 2 * v - 1), (0, 1, 0)))
     levels = [[(x, 0.35 * k, z) for x, _, z in sheets[0]] for k in range(3)]
     stacked = sum(levels, []), sheets[1] * 3, sheets[2] * 3, [tuple(i + 4 * k for i in t) for k in range(3) for t in sheets[3]]
