@@ -56,17 +56,32 @@ vec3 from_everywhere(uint i, Reflectance surface, Albedo seen, vec3 n, vec3 v, v
 }
 
 #ifdef MOMENTS
-// Light from `l` that leaves towards `v`, times pi, of all normals that the fragment covers.
+// Light from `l` that leaves towards `v`, times pi and the light's cosine: of all normals that the fragment covers.
 vec3 reflected_pi(uint i, Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 l, bool multiple) {
     Scatter normals = scatter_of(n, LOAD(spreads, i));
-    if (is_one_normal(normals, surface.alpha)) {
-        return dot(n, l) > 0.0 ? brdf_pi(surface, seen, n, v, l, multiple) * dot(n, l) : vec3(0.0);
-    }
     vec3 h = normalize(v + l);
-    vec3 fresnel = fresnel_of(surface, dot(v, h));
-    float cosine = cosine_of_normals(normals, l);
-    Beside beside = beside_pi(surface, seen, fresnel, clamp(cosine, MIN_COSINE, 1.0), multiple);
-    return fresnel * (PI * lobe_of_normals(normals, surface.alpha, v, l, h)) + (beside.multiple + beside.below) * cosine;
+    float cosine = clamp(dot(n, l), 0.0, 1.0);
+    float lobe = 0.0;
+    if (!is_one_normal(normals, surface.alpha)) {
+        cosine = cosine_of_normals(normals, l);
+        lobe = PI * lobe_of_normals(normals, surface.alpha, v, l, h);
+    } else if (cosine > 0.0) {
+        lobe = lobe_pi(surface.alpha, n, v, h, cosine) * cosine;
+    }
+    float grazed = grazing(dot(v, h));
+    Beside beside = beside_pi(surface, seen, grazed, clamp(cosine, MIN_COSINE, 1.0), multiple);
+    return fresnel_of(surface, grazed) * lobe + (beside.multiple + beside.below) * cosine;
+}
+#else
+// Share of light from `l` that leaves towards `v`, per steradian, times pi; all unit, `n` as `visible_normal` has it, `l`
+// in front of the surface. `seen`: the albedo towards `v`.
+vec3 brdf_pi(Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 l, bool multiple) {
+    float nl = min(dot(n, l), 1.0);
+    vec3 h = normalize(v + l);
+    float lobe = lobe_pi(surface.alpha, n, v, h, nl);
+    float grazed = grazing(dot(v, h));
+    Beside beside = beside_pi(surface, seen, grazed, nl, multiple);
+    return fresnel_of(surface, grazed) * lobe + beside.multiple + beside.below;
 }
 #endif
 

@@ -25,6 +25,12 @@ MOMENTS = {
     for distance in (1, 4, 16)
     for name, flags in (("off", ""), ("on", "--moments on"), ("supersampled", "--filter bilinear --supersample 1024"))
 }
+PIXEL = 8 * math.tan(math.radians(20)) / 120  # of RINGS's image, in world units
+AHEAD = "--eye 0,0,4 --look-at 0,0,0 --fov 40 --light 0,0,1 --ambient 0 --shading pbr"
+RINGS = f"rings.glb --size 240x120 {AHEAD}"
+BUMPY = f"{SIZE} --orbit 25,10,3.9 --light 1,1,1"
+# The height whose slopes are those of `bump`: a texel of its map is 2 pi / 256 long on the ball.
+BUMPS = "0.4295 * (sqrt(max(0.36, 1 - 3.344 * ((fract(8*u) - 0.5) * (fract(8*u) - 0.5) + (fract(4*v) - 0.5) * (fract(4*v) - 0.5)))) - 0.6)"
 PICTURES = {
     # Filters on a checker floor: rows 7 to 12.
     "filter-nearest": f"render {FLOOR} --filter nearest",
@@ -33,6 +39,14 @@ PICTURES = {
     "filter-anisotropic": f"render {FLOOR} --filter anisotropic",
     "filter-ewa": f"render {FLOOR} --filter ewa",
     "filter-supersampled": f"render {FLOOR} --filter bilinear --supersample 1024",
+    # Rows 1, 7, 9 and 10.
+    "coordinates": f"render painted.glb --size 160x120 --orbit 20,15,3.2 --light 1,1,1 --aov uv,position",
+    "magnified-nearest": f"render magnified.glb {SIZE} {AHEAD} --filter nearest",
+    "magnified-bilinear": f"render magnified.glb {SIZE} {AHEAD} --filter bilinear",
+    "levels-nearest": f"render {RINGS} --filter nearest",
+    "levels-bilinear": f"render {RINGS} --filter bilinear",
+    "levels-trilinear": f"render {RINGS} --filter trilinear",
+    "levels-supersampled": f"render {RINGS} --filter bilinear --supersample 1024",
     # Rows 17 to 19.
     "shading-flat": f"render {BALL} --shading flat",
     "shading-gouraud": f"render {BALL} --shading gouraud",
@@ -41,7 +55,13 @@ PICTURES = {
     # Row 24.
     "normal-map": f"render bumps.glb {SIZE} --orbit 25,10,3.2 --light 1,1,1 --shading pbr",
     "normal-map-sides": f"render TwoSidedPlane/TwoSidedPlane.gltf {SIZE} --orbit 30,25 --shading pbr",
+    # Row 20.
+    "silhouette-gouraud": f"render bumps.glb {BUMPY} --shading gouraud",
+    "silhouette-phong": f"render bumps.glb {BUMPY} --shading phong",
+    "silhouette-displaced": f"render fine.glb {BUMPY} --shading phong --expr '{BUMPS}' --uniform 3",
     # Row 15.
+    "opacity-mask": f"render painted.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha mask --shadows ray",
+    "opacity-blend": f"render painted.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha blend",
     "alpha-mask": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha mask --shadows ray",
     "alpha-blend": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha blend",
     "alpha-stochastic": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha stochastic",
@@ -150,6 +170,35 @@ def leaf(x: int, y: int):
     return 60, 200 - 3 * (x % 32), 70, round(255 * alpha)
 
 
+def ring(x: int, y: int):
+    """A zone plate of 256 x 256: rings that get finer from the middle, up to one black and one white texel at the borders."""
+    value = round(127.5 + 127.5 * math.cos(math.pi * ((x - 127.5) ** 2 + (y - 127.5) ** 2) / 256))
+    return value, value, value, 255
+
+
+def smaller_and_smaller():
+    """Quads of 91, 64, 45, 32, 23 and 16 pixels in RINGS's image."""
+    quads = ([], [], [], [])
+    for left, top, side in ((8, 8, 91), (107, 8, 64), (179, 8, 45), (107, 80, 32), (147, 80, 23), (178, 80, 16)):
+        place = lambda u, v: (((left + side * u - 120) * PIXEL, (60 - top - side * v) * PIXEL, 0), (0, 0, 1))  # noqa: E731
+        for to, values in zip(quads, (*grid(1, 1, place)[:3], [tuple(i + len(quads[0]) for i in t) for t in ((0, 2, 3), (0, 3, 1))])):
+            to.extend(values)
+    return quads
+
+
+def paint(x: int, y: int):
+    """Continents of sorts, and a net of 30 degrees."""
+    net = (x + 1) % 22 < 2 or (y + 1) % 21 < 2
+    land = math.sin(x / 19) + math.sin(y / 11 + x / 27) + 0.6 * math.sin(x / 5 + y / 7) > 0.5
+    return (235, 235, 225, 255) if net else (90, 150, 70, 255) if land else (50, 90, 170, 255)
+
+
+def hole(x: int, y: int):
+    """Round holes with soft rims."""
+    near = math.hypot(x % 32 - 15.5, y % 32 - 15.5)
+    return 255, 255, 255, max(0, min(255, round(127.5 + 22 * (near - 10))))
+
+
 def sky(file: Path) -> None:
     """Radiance HDR, 128 x 64, uncompressed: a gradient, a horizon, a sun."""
     body = b""
@@ -174,6 +223,13 @@ def scenes(folder: Path) -> None:
     glb(folder / "ball.glb", grid(20, 10, on_ball), plain(0, 0.4), [])
     glb(folder / "rough.glb", grid(64, 32, on_ball), plain(1, 0.4), [])
     glb(folder / "mirror.glb", grid(64, 32, on_ball), plain(1, 0), [])
+    painted = {**plain(0, 0.5)["pbrMetallicRoughness"], "baseColorFactor": [1, 1, 1, 1], "baseColorTexture": {"index": 0}}
+    glb(folder / "painted.glb", grid(48, 24, on_ball), {"pbrMetallicRoughness": painted, "doubleSided": True}, [png(256, 128, paint)])
+    (folder / "holes.png").write_bytes(png(256, 128, hole))
+    glb(folder / "rings.glb", smaller_and_smaller(), {"pbrMetallicRoughness": colored}, [png(256, 256, ring)])
+    upright = grid(1, 1, lambda u, v: ((2 * u - 1, 1 - 2 * v, 0), (0, 0, 1)))
+    glb(folder / "magnified.glb", upright, {"pbrMetallicRoughness": colored}, [png(16, 16, lambda x, y: paint(10 * x, 8 * y))])
+    glb(folder / "fine.glb", grid(48, 24, on_ball), plain(0, 0.4), [])
     bumpy = {**plain(0, 0.4), "normalTexture": {"index": 0}}
     glb(folder / "bumps.glb", grid(48, 24, on_ball), bumpy, [png(256, 128, bump)])
     sea = lambda u, v: ((400 * (u - 0.5), 0, 400 * (v - 0.5)), (0, 1, 0))  # noqa: E731

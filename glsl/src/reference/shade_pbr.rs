@@ -6,7 +6,7 @@ use glam::{DVec3, DVec4};
 
 use super::{
     appearance::Appearance,
-    brdf::{MIN_COSINE, Reflectance, albedo, around, brdf, grazing, visible_normal},
+    brdf::{DIELECTRIC_F0, MIN_COSINE, Reflectance, albedo, around, brdf, grazing, visible_normal},
     brdf_table::Table,
     lights::incoming,
     lobe_of_normals::Scatter,
@@ -67,11 +67,12 @@ pub fn reflected(surface: &Reflectance, lighting: &Lighting<'_>, normals: &Scatt
         return brdf(surface, lighting.table, n, v, l, multiple) * n.dot(l).max(0.0);
     }
     let cosine = normals.cosine(l);
-    let fresnel = surface.f0 + (DVec3::ONE - surface.f0) * grazing(v.dot((v + l).normalize()));
+    let grazed = grazing(v.dot((v + l).normalize()));
+    let fresnel = surface.f0 + (DVec3::ONE - surface.f0) * grazed;
     let beside = if multiple {
         around(surface, lighting.table, n.dot(v).clamp(MIN_COSINE, 1.0), cosine.clamp(MIN_COSINE, 1.0))
     } else {
-        surface.diffuse * (DVec3::ONE - fresnel) * FRAC_1_PI
+        surface.diffuse * ((1.0 - DIELECTRIC_F0) * (1.0 - grazed) * FRAC_1_PI)
     };
     fresnel * normals.lobe(surface.alpha, v, l) + beside * cosine
 }

@@ -265,7 +265,7 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
     let size = (images.width as usize, images.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
-    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
+    let written = Image::from_layer(layer).write().to_buffered(&mut bytes);
     written.map_err(|error| Error::internal("the image could not be written as EXR").with_cause(error))?;
     Ok(bytes.into_inner())
 }
