@@ -10,7 +10,9 @@ use super::AssetReader;
 use crate::domain::{
     Digest, Error, Result,
     environment::Environment,
-    image::{AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderLight, RenderMap, RenderMaterial},
+    image::{
+        AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
+    },
     maps::{self, Encoding},
     report::Warning,
     request::Look,
@@ -120,6 +122,7 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS], al
         normal_scale: material.normal_scale,
         occlusion_strength: material.occlusion_strength,
         maps,
+        bump: RenderBump::default(),
         double_sided: material.double_sided,
         alpha: RenderAlpha::new(material.alpha, alpha),
         unlit: material.unlit,

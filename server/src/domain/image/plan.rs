@@ -46,6 +46,8 @@ pub struct ImageContents {
     pub shadow_lights: u32,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
+    /// Some material's normals are bent by formulas.
+    pub has_formulas: bool,
     pub aovs: Vec<Aov>,
 }
 
@@ -125,6 +127,7 @@ impl ImageContents {
             + 56
             + 16
             + 16 * u64::from(self.map_slots)
+            + if self.has_formulas { 8 } else { 0 }
             + 4 * u64::from(self.shadow_lights)
             + if self.environment.is_some() { 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
