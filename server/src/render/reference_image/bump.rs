@@ -33,7 +33,7 @@ pub(super) fn bent(place: &Place<'_>, tables: &BumpTables, weights: DVec3, unben
         return unbent.normal;
     }
     let flip = unbent.flip;
-    let front = flip * if bump.faceted { flip * place.front() } else { unbent.smooth };
+    let front = if bump.faceted { place.front() } else { flip * unbent.smooth };
     let own = if bump.faceted { front } else { flip * unbent.normal };
     let at = place_of(place, weights, front, bump);
     let risen = tables.formulas_of(place.part.material as usize).map(|(formula, code)| {
