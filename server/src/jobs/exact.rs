@@ -38,8 +38,8 @@ const NEAREST: f64 = 1e-3;
 const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
-    let sets = UvSets::of(&inputs.scene.materials);
-    let materials = looks::materials(&mut inputs.scene, &sets, request.look.alpha)?;
+    let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps);
+    let materials = looks::materials(&mut inputs.scene, &sets, &inputs.bumps, request.look.alpha)?;
     let scene = &inputs.scene;
     let choice = SeamChoice::from(&request.surface.geometry);
     let pairs = scene.meshes.iter().zip(&inputs.details);

@@ -6,9 +6,10 @@ use displace_glsl::layout::raster::{
     MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS,
 };
 
-use super::AssetReader;
+use super::{AssetReader, bumps};
 use crate::domain::{
     Digest, Error, Result,
+    bump::Bumps,
     environment::Environment,
     image::{
         AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
@@ -26,9 +27,10 @@ const MOST_TEXELS: usize = 1 << 27;
 pub(super) struct UvSets(Vec<u32>);
 
 impl UvSets {
-    pub(super) fn of(materials: &[Material]) -> Self {
+    pub(super) fn of(materials: &[Material], bumps: &Bumps) -> Self {
         let used = materials.iter().flat_map(|material| textures(material).map(|(_, texture, _)| texture.uv_set));
-        let mut sets: Vec<u32> = used.chain([0]).collect();
+        let of_bumps = bumps.all().filter_map(|shading| Some(shading.bump.as_ref()?.uv_set));
+        let mut sets: Vec<u32> = used.chain(of_bumps).chain([0]).collect();
         sets.sort_unstable();
         sets.dedup();
         Self(sets)
@@ -61,7 +63,12 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
 }
 
 /// The scene's materials, then one for primitives without.
-pub(super) fn materials(scene: &mut Scene, sets: &UvSets, alpha: AlphaMode) -> Result<Vec<RenderMaterial>> {
+pub(super) fn materials(
+    scene: &mut Scene,
+    sets: &UvSets,
+    bumps: &Bumps,
+    alpha: AlphaMode,
+) -> Result<Vec<RenderMaterial>> {
     let mut images = Images { decoded: HashMap::new(), texels: 0 };
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&Material::default()]) {
@@ -76,6 +83,7 @@ pub(super) fn materials(scene: &mut Scene, sets: &UvSets, alpha: AlphaMode) -> R
         }
         materials.push(render_material(material, maps, alpha));
     }
+    bumps::give(bumps, sets, &mut materials);
     Ok(materials)
 }
 
