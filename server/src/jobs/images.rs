@@ -110,7 +110,7 @@ fn uvs(mesh: &Mesh, sets: &UvSets, surface: &Surface) -> Vec<[f32; 2]> {
 }
 
 /// The UV set of a material's tangents, where it has a normal map in tangent space.
-fn tangent_uv_set(materials: &[Material], bumps: &Bumps, material: Option<usize>) -> Option<u32> {
+pub(super) fn tangent_uv_set(materials: &[Material], bumps: &Bumps, material: Option<usize>) -> Option<u32> {
     let of_file = material.map(|m| &materials[m]).filter(|m| m.normal.is_some()).map(|m| m.normal_uv_set);
     let of_bump = bumps.of(material).bump.as_ref().filter(|bump| bump.is_in_tangent_space()).map(|bump| bump.uv_set);
     of_file.or(of_bump)
