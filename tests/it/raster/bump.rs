@@ -9,7 +9,10 @@ use displace_glsl::layout::{
 use displace_server::domain::{
     detail::Wrap,
     expression::Program,
-    image::{BumpKind, BumpUse, ColorMap, ImageSet, RenderFormula, RenderMap, RenderMaterial, RenderMesh, RenderScene},
+    image::{
+        BumpKind, BumpUse, ColorMap, Filter, ImageSet, RenderFormula, RenderMap, RenderMaterial, RenderMesh,
+        RenderScene,
+    },
     weld::mikk_tangents,
 };
 use displace_tests::meshes::{self, TestMesh};
@@ -143,7 +146,8 @@ fn a_map_of_slopes_bends_as_the_heights_it_was_made_of() {
     let slope = |u: f64| 0.05 * TAU * 3.0 * (TAU * 3.0 * u).cos();
     let slopes = map(192, |uv| DVec3::new(slope(uv.x), 0.0, 0.0));
     let material = with_map(grey(), 0, BumpKind::Height, &slopes);
-    let image = render(&scene(render_mesh(&meshes::plane(3)), material, ABOVE), SIDE, SIDE);
+    let scene = RenderScene { filter: Filter::Bilinear, ..scene(render_mesh(&meshes::plane(3)), material, ABOVE) };
+    let image = render(&scene, SIDE, SIDE);
     let bound = (0.05 * TAU * 3.0 * (TAU / 64.0).powi(2) / 8.0).to_degrees();
     let apart = most_apart(&image, |_, uv| DVec3::new(-slope(uv.x), 1.0, 0.0));
     assert!(apart < bound + 0.01, "{apart} of {bound} degrees");
@@ -163,17 +167,17 @@ fn bump_on_a_sphere_errs_by_no_more_than_height_times_curvature() {
     let (a, k) = (0.1, 8.0);
     let material = with_formula(grey(), "sin(8*x)", a as f32);
     let image = render(&scene(render_mesh(&meshes::icosphere(6)), material, [0.5, 0.8, 3.5]), SIDE, SIDE);
-    // Facets of 1/64 are 3e-5 under the sphere.
+    // The formula is read along facets that lie up to 0.6 degrees askew: its slopes of 0.8 are off by 0.8 of that.
     let own = most_apart(&image, |place, _| waves(place, a, k).1);
-    assert!(own < 0.1, "{own} degrees from Blinn's normal");
+    assert!(own < 0.5, "{own} degrees from Blinn's normal");
     let excess = |(place, normal, _): (DVec3, DVec3, DVec2)| {
         let (height, _, displaced) = waves(place, a, k);
         degrees(normal, displaced) - (height.abs() / (2.0 - height.abs())).asin().to_degrees()
     };
     let excess = seen(&image).into_iter().map(excess).fold(f64::MIN, f64::max);
-    assert!(excess < 0.1, "{excess} degrees above the bound");
+    assert!(excess < 0.5, "{excess} degrees above the bound");
     let apart = most_apart(&image, |place, _| waves(place, a, k).2);
-    assert!(apart > 0.5, "what is left out shows: {apart} degrees");
+    assert!(apart > 1.5, "what is left out shows: {apart} degrees");
 }
 
 fn brightness(image: &ImageSet) -> Vec<f64> {
@@ -214,29 +218,31 @@ fn bump_and_displacement_are_light_in_the_same_places() {
     assert!(out > 0.8 && inwards < -0.4, "{out} out, {inwards} in");
 }
 
-/// Seen from the side where the map turns round: what is left of the seam mirrors what is right of it.
+/// Seen from the side where the map turns round: what is left of the seam mirrors what is right of it, but for the
+/// diagonals of the mesh's quads: the median angle between both.
 fn mirrored_pairs(kind: BumpKind) -> f64 {
     let value = |uv: DVec2| DVec3::new(0.3 * (TAU * 4.0 * uv.x).sin(), 0.3 * (TAU * 3.0 * uv.y).cos(), 0.9);
     let material = with_map(grey(), 0, kind, &map(128, value));
-    let image = render(&scene(framed(&meshes::mirrored_uv_sphere(64, 32)), material, [3.5, 0.0, 0.0]), SIDE, SIDE);
+    let image = render(&scene(framed(&meshes::mirrored_uv_sphere(48, 24)), material, [3.5, 0.0, 0.0]), SIDE, SIDE);
     let normals = image.normal.as_ref().expect("asked for");
     let at = |x: u32, y: u32| DVec3::from_array(normals[(y * SIDE + x) as usize].map(f64::from));
     let pair = |(x, y): (u32, u32)| (at(x, y), at(SIDE - 1 - x, y) * DVec3::new(1.0, 1.0, -1.0));
     let pairs = (0..SIDE).flat_map(|y| (0..SIDE / 2).map(move |x| (x, y))).map(pair);
-    let apart: Vec<f64> =
+    let mut apart: Vec<f64> =
         pairs.filter(|(a, b)| *a != DVec3::ZERO && *b != DVec3::ZERO).map(|(a, b)| degrees(a, b)).collect();
     assert!(apart.len() > 1500, "{} pairs", apart.len());
-    apart.iter().sum::<f64>() / apart.len() as f64
+    apart.sort_by(f64::total_cmp);
+    apart[apart.len() / 2]
 }
 
 #[test]
 fn mirrored_uvs_show_no_seam_but_in_the_frame_that_cyslice_prints() {
     for kind in [BumpKind::Height, BumpKind::Tangent] {
         let apart = mirrored_pairs(kind);
-        assert!(apart < 0.2, "{kind:?}: {apart} degrees in the mean");
+        assert!(apart < 0.4, "{kind:?}: {apart} degrees");
     }
     let printed = mirrored_pairs(BumpKind::CySlice);
-    assert!(printed > 10.0, "green is inverted on one side: {printed} degrees in the mean");
+    assert!(printed > 10.0, "green is inverted on one side: {printed} degrees");
 }
 
 /// A plane, or the same bent round the z axis, and the frame of its texture there: tangent, bitangent up, normal.
