@@ -115,6 +115,16 @@ pub(crate) enum MethodArg {
     Displacement,
     /// Vertices move by a vector
     Vector,
+    /// Nothing moves: heights and normal maps bend normals, all together; for images
+    Bump,
+    /// Nothing moves: normal maps bend normals, and heights beside them count for nothing
+    Normal,
+}
+
+impl MethodArg {
+    pub(crate) fn moves_vertices(self) -> bool {
+        matches!(self, Self::Displacement | Self::Vector)
+    }
 }
 
 /// How a GLB is packed.

@@ -75,6 +75,7 @@ impl Parcel {
             preset: match modifiers.preset {
                 None => v1::Preset::Unspecified,
                 Some(PresetArg::AsPrinted) => v1::Preset::AsPrinted,
+                Some(PresetArg::Cyslice) => v1::Preset::Cyslice,
             }
             .into(),
         })
@@ -98,6 +99,13 @@ impl Parcel {
                 magnitude: Some(self.map("--magnitude", magnitude, modifiers)?),
                 space,
                 swizzle,
+            }),
+            Source::Normal(path) => layer::Source::Normal(v1::SurfaceNormalMap {
+                map: Some(self.map("--normal", path, modifiers)?),
+                space,
+                swizzle,
+                flip_green: modifiers.flip_green.unwrap_or_default(),
+                exact_zero: modifiers.exact_zero.unwrap_or_default(),
             }),
             Source::Expression(source) => layer::Source::Expression(v1::Expression { source: source.clone() }),
         })
@@ -179,6 +187,8 @@ pub(crate) fn method(method: MethodArg) -> v1::Method {
         MethodArg::Flat => v1::Method::Flat,
         MethodArg::Displacement => v1::Method::Displacement,
         MethodArg::Vector => v1::Method::Vector,
+        MethodArg::Bump => v1::Method::Bump,
+        MethodArg::Normal => v1::Method::Normal,
     }
 }
 

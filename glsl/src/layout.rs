@@ -37,6 +37,7 @@ mirrors! {
 }
 
 pub mod bound;
+pub mod bump;
 pub mod geometry;
 pub mod light;
 pub mod lists;

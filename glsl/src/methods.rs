@@ -7,6 +7,8 @@ pub enum Method {
     #[default]
     Displacement,
     Vector,
+    Bump,
+    Normal,
 }
 
 /// A row of the table.
@@ -44,12 +46,32 @@ pub const METHODS: &[MethodRow] = &[
         represents: &["vector", "expression"],
         cost: "triangles; per vertex one map lookup a layer",
     },
+    MethodRow {
+        method: Method::Bump,
+        name: "bump",
+        summary: "Bends normals by the slopes of heights and by normal maps, which add (Blinn 1978, Mikkelsen 2010).",
+        represents: &["height", "expression", "normal"],
+        cost: "per pixel one filtered map lookup a layer",
+    },
+    MethodRow {
+        method: Method::Normal,
+        name: "normal",
+        summary: "Bends normals by normal maps, in tangent or object space (Peercy et al. 1997).",
+        represents: &["normal"],
+        cost: "per pixel one filtered map lookup a layer",
+    },
 ];
 
 impl Method {
     #[must_use]
     pub fn row(self) -> &'static MethodRow {
         METHODS.iter().find(|row| row.method == self).unwrap_or(&METHODS[0])
+    }
+
+    /// Whether vertices move.
+    #[must_use]
+    pub fn moves_vertices(self) -> bool {
+        matches!(self, Self::Displacement | Self::Vector)
     }
 
     /// As the command line and the report write it.

@@ -8,6 +8,8 @@ pub mod backdrop;
 pub mod bound;
 pub mod brdf;
 pub mod brdf_table;
+pub mod bump;
+pub mod bump_expression;
 pub mod clip;
 pub mod collapse;
 pub mod compact;

@@ -1,6 +1,7 @@
 //! The vocabulary and the decisions of the server: no transport, no device, no async runtime.
 
 pub mod base;
+pub mod bump;
 pub mod camera;
 pub mod cancel;
 pub mod describe;

@@ -6,6 +6,7 @@
 //! `compare`, `measure`) and how it is asked for (`grpc`).
 
 mod admission;
+mod bumps;
 mod cautions;
 mod compare;
 mod displace;

@@ -1,6 +1,7 @@
 //! The one integration binary: one module per topic, all over the harness in `tests/src`.
 mod across;
 mod base;
+mod bump;
 mod cli;
 mod compare;
 mod corpus;

@@ -29,19 +29,23 @@ pub(crate) struct DetailArgs {
     /// Height as an expression of u, v, x, y, z and the normal, such as '0.1*sin(20*pi*u)'
     #[arg(long, value_name = "EXPR", action = ArgAction::Append, allow_hyphen_values = true)]
     pub(crate) expr: Vec<String>,
+    /// Normal map, as glTF has them; beside heights or vectors it describes the same surface, and vertices move while
+    /// normals are the base's, bent by it
+    #[arg(long, value_name = "MAP", action = ArgAction::Append)]
+    pub(crate) normal: Vec<PathBuf>,
     /// Open a group for this material; flags before the first hold for all materials not named
     #[arg(long, value_name = "NAME", action = ArgAction::Append)]
     pub(crate) material: Vec<String>,
-    /// Mesh units per unit of the map [default: 1]
+    /// Mesh units per unit of the map; of a normal map, strength of its slopes [default: 1]
     #[arg(long, value_name = "S", action = ArgAction::Append, value_parser = finite, allow_hyphen_values = true)]
     pub(crate) scale: Vec<f32>,
     /// Value of the map that leaves the surface where it is [default: 0; 0.5 for integer vector maps; with --direction it is the magnitude's, 0]
     #[arg(long, value_name = "M", action = ArgAction::Append, value_parser = finite, allow_hyphen_values = true)]
     pub(crate) midlevel: Vec<f32>,
-    /// Space of a vector or direction map [default: tangent]
+    /// Space of a vector, direction or normal map [default: tangent]
     #[arg(long, value_enum, action = ArgAction::Append)]
     pub(crate) space: Vec<SpaceArg>,
-    /// Order and sign of a vector map's components, upper case negates [default: rgb]
+    /// Order and sign of a vector or normal map's components, upper case negates [default: rgb]
     #[arg(long, value_name = "RGB", action = ArgAction::Append, value_parser = swizzle)]
     pub(crate) swizzle: Vec<Swizzle>,
     /// Where texels lie: at centres, or on nodes that span the map [default: center]
@@ -62,6 +66,12 @@ pub(crate) struct DetailArgs {
     /// Map rows start at the bottom
     #[arg(long, action = ArgAction::Append, num_args = 0, default_missing_value = "true", value_parser = clap::value_parser!(bool))]
     pub(crate) flip_v: Vec<bool>,
+    /// Green of a normal map points down: negate it
+    #[arg(long, action = ArgAction::Append, num_args = 0, default_missing_value = "true", value_parser = clap::value_parser!(bool))]
+    pub(crate) flip_green: Vec<bool>,
+    /// Decode a normal map so that zero is exact: (c - 128) / 127 of 8 bits, instead of glTF's 2 c / 255 - 1
+    #[arg(long, action = ArgAction::Append, num_args = 0, default_missing_value = "true", value_parser = clap::value_parser!(bool))]
+    pub(crate) exact_zero: Vec<bool>,
     /// Printed formula of the literature instead of the right one
     #[arg(long, value_enum, action = ArgAction::Append)]
     pub(crate) preset: Vec<PresetArg>,
@@ -96,6 +106,8 @@ pub(crate) enum ChannelArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetArg {
-    /// West 2007: directions are used as stored, in [0, 1]
+    /// West 2007: directions are used as stored, in [0, 1]; heights displace inwards, and bump bends facets
     AsPrinted,
+    /// CySlice's shader: red of a normal map leans along T, green along S, which mirrored UVs turn round
+    Cyslice,
 }

@@ -28,6 +28,7 @@ enum Token {
     Direction(PathBuf),
     Magnitude(PathBuf),
     Expression(String),
+    Normal(PathBuf),
     Modifier(Modifier),
 }
 
@@ -78,6 +79,7 @@ fn tokens(args: &DetailArgs, matches: &ArgMatches) -> Vec<Token> {
     add("direction", each(&args.direction, T::Direction));
     add("magnitude", each(&args.magnitude, T::Magnitude));
     add("expr", each(&args.expr, T::Expression));
+    add("normal", each(&args.normal, T::Normal));
     add("scale", each(&args.scale, |v| T::Modifier(Modifier::Scale(v))));
     add("midlevel", each(&args.midlevel, |v| T::Modifier(Modifier::Midlevel(v))));
     add("space", each(&args.space, |v| T::Modifier(Modifier::Space(v))));
@@ -87,6 +89,8 @@ fn tokens(args: &DetailArgs, matches: &ArgMatches) -> Vec<Token> {
     add("channel", each(&args.channel, |v| T::Modifier(Modifier::Channel(v))));
     add("invert_height", each(&args.invert_height, |_| T::Modifier(Modifier::InvertHeight)));
     add("flip_v", each(&args.flip_v, |_| T::Modifier(Modifier::FlipV)));
+    add("flip_green", each(&args.flip_green, |_| T::Modifier(Modifier::FlipGreen)));
+    add("exact_zero", each(&args.exact_zero, |_| T::Modifier(Modifier::ExactZero)));
     add("preset", each(&args.preset, |v| T::Modifier(Modifier::Preset(v))));
     all.sort_by_key(|(index, _)| *index);
     all.into_iter().map(|(_, token)| token).collect()
@@ -134,6 +138,7 @@ impl Draft {
             Token::Height(map) => self.open(DraftSource::Whole(Source::Height(map))),
             Token::Vector(map) => self.open(DraftSource::Whole(Source::Vector(map))),
             Token::Expression(text) => self.open(DraftSource::Whole(Source::Expression(text))),
+            Token::Normal(map) => self.open(DraftSource::Whole(Source::Normal(map))),
             Token::Direction(map) => self.pair(DraftSource::Direction(map)),
             Token::Magnitude(map) => self.pair(DraftSource::Magnitude(map)),
             Token::Modifier(modifier) => match self.layers.last_mut() {
@@ -183,7 +188,7 @@ impl Draft {
     }
 
     fn empty(&self) -> Error {
-        let remedy = "add --height MAP, --vector MAP, --direction MAP --magnitude MAP or --expr E";
+        let remedy = "add --height MAP, --vector MAP, --direction MAP --magnitude MAP, --expr E or --normal MAP";
         match (&self.material, self.shared.first()) {
             (Some(name), _) => {
                 Error::usage("--material", format!("--material {name} opens a group without a map; {remedy} after it"))
@@ -241,6 +246,8 @@ impl Modifiers {
             channel: self.channel.or(other.channel),
             invert_height: self.invert_height.or(other.invert_height),
             flip_v: self.flip_v.or(other.flip_v),
+            flip_green: self.flip_green.or(other.flip_green),
+            exact_zero: self.exact_zero.or(other.exact_zero),
             preset: self.preset.or(other.preset),
         }
     }
@@ -313,6 +320,10 @@ mod tests {
         assert_eq!(refused_field("--height a.png --swizzle bgr").as_deref(), Some("--swizzle"));
         assert_eq!(refused_field("--swizzle bgr --height a.png").as_deref(), Some("--swizzle"));
         assert_eq!(refused_field("--expr u --wrap clamp").as_deref(), Some("--wrap"));
+        assert_eq!(refused_field("--height a.png --flip-green").as_deref(), Some("--flip-green"));
+        assert_eq!(refused_field("--normal a.png --midlevel 0").as_deref(), Some("--midlevel"));
+        assert_eq!(refused_field("--normal a.png --preset as-printed").as_deref(), Some("--preset"));
+        assert_eq!(refused_field("--height a.png --preset cyslice").as_deref(), Some("--preset"));
         assert_eq!(refused_field("--material A").as_deref(), Some("--material"));
         assert_eq!(refused_field("--material A --expr u --material A --expr v").as_deref(), Some("--material"));
     }

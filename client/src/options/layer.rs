@@ -14,11 +14,16 @@ pub(crate) enum Source {
     Vector(PathBuf),
     DirectionMagnitude { direction: PathBuf, magnitude: PathBuf },
     Expression(String),
+    Normal(PathBuf),
 }
 
 impl Source {
     pub(crate) fn is_vector(&self) -> bool {
         matches!(self, Self::Vector(_) | Self::DirectionMagnitude { .. })
+    }
+
+    pub(crate) fn is_normal(&self) -> bool {
+        matches!(self, Self::Normal(_))
     }
 
     /// The flag that made the layer.
@@ -28,6 +33,7 @@ impl Source {
             Self::Vector(_) => "--vector",
             Self::DirectionMagnitude { .. } => "--direction",
             Self::Expression(_) => "--expr",
+            Self::Normal(_) => "--normal",
         }
     }
 }
@@ -50,6 +56,8 @@ pub(crate) struct Modifiers {
     pub(crate) channel: Option<ChannelArg>,
     pub(crate) invert_height: Option<bool>,
     pub(crate) flip_v: Option<bool>,
+    pub(crate) flip_green: Option<bool>,
+    pub(crate) exact_zero: Option<bool>,
     pub(crate) preset: Option<PresetArg>,
 }
 
@@ -65,6 +73,8 @@ pub(crate) enum Modifier {
     Channel(ChannelArg),
     InvertHeight,
     FlipV,
+    FlipGreen,
+    ExactZero,
     Preset(PresetArg),
 }
 
@@ -80,6 +90,8 @@ impl Modifier {
             Self::Channel(_) => "--channel",
             Self::InvertHeight => "--invert-height",
             Self::FlipV => "--flip-v",
+            Self::FlipGreen => "--flip-green",
+            Self::ExactZero => "--exact-zero",
             Self::Preset(_) => "--preset",
         }
     }
@@ -87,21 +99,25 @@ impl Modifier {
     /// Whether the modifier says something about this kind of source.
     pub(crate) fn suits(&self, source: &Source) -> bool {
         match self {
-            Self::Scale(_) | Self::Midlevel(_) => true,
+            Self::Scale(_) => true,
+            Self::Midlevel(_) => !matches!(source, Source::Normal(_)),
             Self::Channel(_) | Self::InvertHeight => matches!(source, Source::Height(_)),
-            Self::Space(_) | Self::Swizzle(_) => source.is_vector(),
-            Self::Preset(_) => matches!(source, Source::DirectionMagnitude { .. }),
+            Self::Space(_) | Self::Swizzle(_) => source.is_vector() || source.is_normal(),
+            Self::FlipGreen | Self::ExactZero | Self::Preset(PresetArg::Cyslice) => source.is_normal(),
+            Self::Preset(PresetArg::AsPrinted) => !source.is_normal() && !matches!(source, Source::Vector(_)),
             Self::Sampling(_) | Self::Wrap(_) | Self::FlipV => !matches!(source, Source::Expression(_)),
         }
     }
 
     fn suited_flags(&self) -> &'static str {
         match self {
-            Self::Scale(_) | Self::Midlevel(_) => "any map or --expr",
+            Self::Scale(_) => "any map or --expr",
+            Self::Midlevel(_) => "any map but --normal, or --expr",
             Self::Channel(_) | Self::InvertHeight => "--height",
-            Self::Space(_) | Self::Swizzle(_) => "--vector or --direction",
-            Self::Preset(_) => "--direction",
-            Self::Sampling(_) | Self::Wrap(_) | Self::FlipV => "--height, --vector or --direction",
+            Self::Space(_) | Self::Swizzle(_) => "--vector, --direction or --normal",
+            Self::FlipGreen | Self::ExactZero | Self::Preset(PresetArg::Cyslice) => "--normal",
+            Self::Preset(PresetArg::AsPrinted) => "--direction, --height or --expr",
+            Self::Sampling(_) | Self::Wrap(_) | Self::FlipV => "--height, --vector, --direction or --normal",
         }
     }
 
@@ -128,6 +144,8 @@ impl Modifiers {
             Modifier::Channel(value) => put(&mut self.channel, value),
             Modifier::InvertHeight => put(&mut self.invert_height, &true),
             Modifier::FlipV => put(&mut self.flip_v, &true),
+            Modifier::FlipGreen => put(&mut self.flip_green, &true),
+            Modifier::ExactZero => put(&mut self.exact_zero, &true),
             Modifier::Preset(value) => put(&mut self.preset, value),
         };
         if first {

@@ -261,13 +261,15 @@ pub const MATERIAL_NORMAL_MAP: u32 = 2;
 pub const MATERIAL_STOCHASTIC: u32 = 4;
 
 /// What each place of a material's map slots holds.
-pub const MAP_SLOTS: usize = 6;
+pub const MAP_SLOTS: usize = 10;
 pub const MAP_BASE_COLOR: usize = 0;
 pub const MAP_NORMAL: usize = 1;
 pub const MAP_METALLIC_ROUGHNESS: usize = 2;
 pub const MAP_OCCLUSION: usize = 3;
 pub const MAP_EMISSIVE: usize = 4;
 pub const MAP_NORMAL_MOMENTS: usize = 5;
+/// The first of `bump::BUMP_SLOTS`; what they hold, `bump::Bump` says.
+pub const MAP_DETAIL: usize = 6;
 
 /// `BvhNode::first` of a node that has nodes below it.
 pub const BVH_INNER: u32 = u32::MAX;

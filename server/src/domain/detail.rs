@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::expression::Program;
+use super::{Error, Result, expression::Program};
 
 /// The detail of one material: its layers add.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +38,27 @@ pub enum LayerSource {
     /// Three channels, in mesh-local axes.
     VectorObject(Arc<Map>),
     Expression(Arc<Program>),
+}
+
+impl Layer {
+    /// `map_from_uv` of a map as it is, or whose rows start at the bottom.
+    #[must_use]
+    pub fn map_from_uv(flip_v: bool) -> [[f32; 3]; 2] {
+        if flip_v { [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]] } else { [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }
+    }
+}
+
+impl Map {
+    /// Refuses maps too small to have texels on nodes.
+    pub fn check_nodes(field: &str, [width, height]: [u32; 2], sampling: Sampling) -> Result<()> {
+        if sampling != Sampling::Node || (width >= 2 && height >= 2) {
+            return Ok(());
+        }
+        let message = format!(
+            "node sampling needs at least 2 x 2 pixels and the map has {width} x {height}: use center sampling"
+        );
+        Err(Error::invalid(field, message))
+    }
 }
 
 impl LayerSource {

@@ -98,6 +98,12 @@ pub fn encode_linear_rgb8(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>
     Png { width, height }.write(ColorType::Rgb, BitDepth::Eight, false, &[], rgb)
 }
 
+/// An image of interleaved 16-bit RGB that is not colour, as PNG.
+pub fn encode_linear_rgb16(width: u32, height: u32, rgb: &[u16]) -> Result<Vec<u8>> {
+    let bytes: Vec<u8> = rgb.iter().flat_map(|value| value.to_be_bytes()).collect();
+    Png { width, height }.write(ColorType::Rgb, BitDepth::Sixteen, false, &[], &bytes)
+}
+
 fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
     let png = Png { width: images.width, height: images.height };
     let mut files = vec![("color", png.color(&images.color)?)];

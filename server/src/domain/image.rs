@@ -1,6 +1,7 @@
 //! What the renderer takes and gives: meshes, materials, a camera, and images per output.
 
 mod alpha;
+mod bump;
 mod lighting;
 mod plan;
 
@@ -15,6 +16,7 @@ use super::{
 };
 
 pub use alpha::{AlphaMode, BLEND_CUTOFF, RenderAlpha};
+pub use bump::{BumpKind, BumpUse, RenderBump, RenderFormula};
 pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
 
@@ -70,8 +72,15 @@ impl RenderScene {
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
             has_moments: self.has_map(MAP_NORMAL_MOMENTS),
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
+            has_formulas: self.materials.iter().any(|material| !material.bump.formulas.is_empty()),
             aovs: self.aovs.clone(),
         }
+    }
+
+    /// Whether any material bends normals by more than its own normal map.
+    #[must_use]
+    pub fn is_bumped(&self) -> bool {
+        self.materials.iter().any(|material| !material.bump.is_empty())
     }
 
     /// Whether any material has a map in this place of its `maps`.
@@ -122,8 +131,10 @@ pub struct RenderMaterial {
     pub emissive_factor: [f32; 3],
     pub normal_scale: f32,
     pub occlusion_strength: f32,
-    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1], or slopes where there are moments.
+    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1], or slopes where there are moments; what
+    /// details hold, `bump` says.
     pub maps: [Option<RenderMap>; MAP_SLOTS],
+    pub bump: RenderBump,
     pub double_sided: bool,
     pub alpha: RenderAlpha,
     pub unlit: bool,

@@ -1,5 +1,6 @@
 //! What a request changes in the look of a scene before it is rendered or written.
 
+mod normal;
 mod opacity;
 
 use bytes::Bytes;
@@ -12,6 +13,7 @@ use super::{
     scene::{Material, Scene, SceneImage, TextureUse},
 };
 
+pub use normal::replace_normals;
 pub use opacity::replace_opacity;
 
 /// Makes `image` (an encoded PNG or JPEG) the base colour map of every material, and gives primitives

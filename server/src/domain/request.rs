@@ -187,12 +187,13 @@ pub enum SourceRequest {
     Vector { map: MapRequest, space: Space, swizzle: Swizzle },
     DirectionMagnitude { direction: MapRequest, magnitude: MapRequest, space: Space, swizzle: Swizzle },
     Expression { source: String },
+    Normal { map: MapRequest, space: Space, swizzle: Swizzle, flip_green: bool, exact_zero: bool },
 }
 
 impl SourceRequest {
     fn assets(&self) -> Vec<Digest> {
         match self {
-            Self::Height { map, .. } | Self::Vector { map, .. } => vec![map.asset],
+            Self::Height { map, .. } | Self::Vector { map, .. } | Self::Normal { map, .. } => vec![map.asset],
             Self::DirectionMagnitude { direction, magnitude, .. } => vec![direction.asset, magnitude.asset],
             Self::Expression { .. } => Vec::new(),
         }
@@ -238,8 +239,11 @@ impl Default for Swizzle {
 pub enum Preset {
     #[default]
     Right,
-    /// West 2007: directions are not remapped from [0, 1] to [−1, 1].
+    /// West 2007: directions are not remapped from [0, 1] to [−1, 1], heights displace inwards, and bump bends the
+    /// normals of triangles.
     AsPrinted,
+    /// CySlice's shader: the frame of a normal map, and which channel leans which way.
+    CySlice,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,8 +1,8 @@
 //! The job that makes displaced geometry: load, plan, execute, write.
 
 use super::{
-    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, fits, inputs, inputs::Inputs, levels, normal_maps,
-    packing, seams, strain, work::canonical,
+    AssetReader, JobLimits, Output, Work, WorkContext, WorkOutput, bumps, fits, inputs, inputs::Inputs, levels,
+    normal_maps, packing, seams, strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -40,6 +40,7 @@ impl Work for DisplaceWork {
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &self.request)?;
+        bumps::refuse_in_files(&inputs.bumps, &self.request)?;
         let (mut surfaces, mut passes) = inputs.displaced(context)?;
         let mut report = self.report(context, &inputs);
         let packing = inputs::timed(context.progress, "check_surface", &mut passes, || {
@@ -51,6 +52,9 @@ impl Work for DisplaceWork {
             strain::describe(&mut report, &mut inputs.scene, &surfaces);
             Ok(packing)
         })?;
+        for one in surfaces.iter_mut().enumerate() {
+            bumps::keep_base_normals(context, &inputs, &self.request.geometry, one, &mut passes)?;
+        }
         let normal_maps = self.normal_maps(context, &inputs, &surfaces, &mut report, &mut passes)?;
         let levels = levels::make(context, &mut inputs, &surfaces, &self.request, &mut passes)?;
         report.lods = levels.report;
@@ -103,6 +107,8 @@ pub(super) fn describe(assets: &dyn AssetReader, mesh: &Digest, resources: &[(St
 }
 
 pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &DisplaceRequest) -> Result<Estimate> {
-    Ok(Inputs::load(assets, limits, &JobContext { cancel: &Cancel::default(), progress: &NoProgress }, request)?
-        .estimate())
+    let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+    let inputs = Inputs::load(assets, limits, &job, request)?;
+    bumps::refuse_in_files(&inputs.bumps, request)?;
+    Ok(inputs.estimate())
 }

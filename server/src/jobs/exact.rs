@@ -7,7 +7,8 @@ use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 
 use super::{
-    WorkContext,
+    WorkContext, bumps,
+    images::tangent_uv_set,
     inputs::Inputs,
     looks::{self, UvSets},
 };
@@ -38,21 +39,24 @@ const NEAREST: f64 = 1e-3;
 const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
-    let sets = UvSets::of(&inputs.scene.materials);
-    let materials = looks::materials(&mut inputs.scene, &sets, request.look.alpha, false)?;
+    let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps);
+    let materials = looks::materials(&mut inputs.scene, &sets, &inputs.bumps, request.look.alpha, false)?;
     let scene = &inputs.scene;
     let choice = SeamChoice::from(&request.surface.geometry);
     let pairs = scene.meshes.iter().zip(&inputs.details);
     let surfaces: Vec<Surface<'_>> = pairs.map(|(m, details)| Surface::new(&m.mesh, details, choice)).collect();
+    let bare: Vec<Vec<_>> = scene.meshes.iter().map(|m| vec![None; m.mesh.primitives.len()]).collect();
+    let bases: Vec<Surface<'_>> =
+        scene.meshes.iter().zip(&bare).map(|(m, bare)| Surface::new(&m.mesh, bare, choice)).collect();
     let coarse = COARSE * scene.diagonal;
     let coarsely = diced(context, scene, &surfaces, &|_, world| world > coarse)?;
     let bounds = bounds(scene, &coarsely);
     let camera = camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?;
     let lens = Lens::new(&camera, request.height, NEAREST * scene.diagonal);
     let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > RESIDUAL_PX)?;
-    let parts = surfaces.iter().zip(&finely).enumerate();
+    let parts = surfaces.iter().zip(&bases).zip(&finely).enumerate();
     let meshes = parts
-        .map(|(mesh, (surface, dicing))| oracle_mesh(scene, &sets, mesh, surface, dicing))
+        .map(|(mesh, ((surface, base), dicing))| oracle_mesh(inputs, &sets, mesh, [surface, base], dicing))
         .collect::<Result<_>>()?;
     Ok(OracleScene {
         meshes,
@@ -148,13 +152,16 @@ impl Lens {
 }
 
 fn oracle_mesh(
-    scene: &Scene,
+    inputs: &Inputs,
     sets: &UvSets,
     mesh: usize,
-    surface: &Surface<'_>,
+    [surface, undisplaced]: [&Surface<'_>; 2],
     dicing: &Dicing,
 ) -> Result<OracleMesh> {
+    let scene = &inputs.scene;
     let base = &scene.meshes[mesh].mesh;
+    let keeps: Vec<bool> = (0..base.primitives.len()).map(|p| bumps::keeps_base_normals(inputs, mesh, p)).collect();
+    let shaded = |t: usize| if keeps[base.triangles[t].primitive as usize] { undisplaced } else { surface };
     let colors = base.attribute("COLOR_0");
     let mut made = OracleMesh::default();
     for (k, &t) in dicing.base.iter().enumerate() {
@@ -165,7 +172,7 @@ fn oracle_mesh(
     let corner =
         |i: usize| (dicing.triangles[i / 3][i % 3] as usize, dicing.base[i / 3] as usize, dicing.at[i / 3][i % 3]);
     let corners = || (0..3 * dicing.triangles.len()).into_par_iter().map(corner);
-    let normal = |(_, t, at)| surface.position_and_normal(t, at).1.as_vec3().to_array();
+    let normal = |(_, t, at)| shaded(t).position_and_normal(t, at).1.as_vec3().to_array();
     made.positions = corners().map(|(vertex, ..)| dicing.positions[vertex]).collect();
     made.normals = Arc::new(corners().map(normal).collect());
     made.uvs = Arc::new(corners().flat_map_iter(|(_, t, at)| uvs(base, sets, t, at)).collect());
@@ -174,21 +181,23 @@ fn oracle_mesh(
     let enlarged = scene.instances.iter().filter(|i| i.mesh == mesh).map(|i| enlargement(&i.world_from_mesh));
     let residual = f64::from(dicing.residual.iter().copied().fold(0.0, f32::max));
     made.residual_world = residual * enlarged.fold(0.0, f64::max);
-    made.tangents = Arc::new(tangents(scene, sets, mesh, &made)?);
+    made.tangents = Arc::new(tangents(inputs, sets, mesh, &made)?);
     Ok(made)
 }
 
 /// MikkTSpace's, of corners, where a material has a normal map and the mesh the UVs that it reads.
-fn tangents(scene: &Scene, sets: &UvSets, mesh: usize, made: &OracleMesh) -> Result<Vec<[f32; 4]>> {
+fn tangents(inputs: &Inputs, sets: &UvSets, mesh: usize, made: &OracleMesh) -> Result<Vec<[f32; 4]>> {
+    let scene = &inputs.scene;
     let mut tangents = Vec::new();
     let starts = &made.material_of_triangles;
     for (k, &(first, material)) in starts.iter().enumerate() {
         let end = starts.get(k + 1).map_or(made.triangles.len(), |next| next.0 as usize);
-        let Some(normal) = scene.materials.get(material as usize).and_then(|m| m.normal.as_ref()) else { continue };
-        if scene.meshes[mesh].mesh.attribute(&format!("TEXCOORD_{}", normal.uv_set)).is_none() {
+        let material = Some(material as usize).filter(|m| *m < scene.materials.len());
+        let Some(uv_set) = tangent_uv_set(&scene.materials, &inputs.bumps, material) else { continue };
+        if scene.meshes[mesh].mesh.attribute(&format!("TEXCOORD_{uv_set}")).is_none() {
             continue;
         }
-        let (count, channel) = (sets.count() as usize, sets.channel(normal.uv_set) as usize);
+        let (count, channel) = (sets.count() as usize, sets.channel(uv_set) as usize);
         let corners = mikk_tangents(
             &made.triangles[first as usize..end],
             |v| made.positions[v as usize].as_vec3().to_array(),

@@ -7,7 +7,9 @@ use rayon::prelude::*;
 
 use super::looks::{self, UvSets};
 use crate::domain::{
-    Result, camera,
+    Result,
+    bump::Bumps,
+    camera,
     environment::Environment,
     image::{RenderInstance, RenderMesh, RenderScene},
     mesh::{Mesh, Primitive},
@@ -22,17 +24,18 @@ use crate::domain::{
 pub(super) fn render_scene(
     request: &RenderRequest,
     scene: &mut Scene,
+    bumps: &Bumps,
     surfaces: Vec<Surface>,
     environment: Option<Arc<Environment>>,
     moments: bool,
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
-    let sets = UvSets::of(&scene.materials);
-    let materials = looks::materials(scene, &sets, request.look.alpha, moments)?;
+    let sets = UvSets::of(&scene.materials, bumps);
+    let materials = looks::materials(scene, &sets, bumps, request.look.alpha, moments)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();
-        meshes.push(render_mesh(&m.mesh, &scene.materials, &sets, surface, &mut warnings)?);
+        meshes.push(render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, &mut warnings)?);
         scene.warnings.extend(warnings);
     }
     let instances = scene.instances.iter();
@@ -68,14 +71,14 @@ fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
 
 fn render_mesh(
     mesh: &Mesh,
-    materials: &[Material],
+    (materials, bumps): (&[Material], &Bumps),
     sets: &UvSets,
     mut surface: Surface,
     warnings: &mut Vec<Warning>,
 ) -> Result<RenderMesh> {
     let uvs = uvs(mesh, sets, &surface);
     let colors = colors(mesh, &surface);
-    let tangents = tangents(mesh, materials, &surface, warnings)?;
+    let tangents = tangents(mesh, (materials, bumps), &surface, warnings)?;
     let material_of_triangles = mesh
         .primitives
         .iter()
@@ -107,17 +110,24 @@ fn uvs(mesh: &Mesh, sets: &UvSets, surface: &Surface) -> Vec<[f32; 2]> {
     uvs
 }
 
+/// The UV set of a material's tangents, where it has a normal map in tangent space.
+pub(super) fn tangent_uv_set(materials: &[Material], bumps: &Bumps, material: Option<usize>) -> Option<u32> {
+    let of_file = material.map(|m| &materials[m]).filter(|m| m.normal.is_some()).map(|m| m.normal_uv_set);
+    let of_bump = bumps.of(material).bump.as_ref().filter(|bump| bump.is_in_tangent_space()).map(|bump| bump.uv_set);
+    of_file.or(of_bump)
+}
+
 /// Of corners, where a material has a normal map: as a result's file has them. Empty where none has.
 fn tangents(
     mesh: &Mesh,
-    materials: &[Material],
+    (materials, bumps): (&[Material], &Bumps),
     surface: &Surface,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<[f32; 4]>> {
     let mut tangents = Vec::new();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
-        let Some(material) = primitive.material.map(|m| &materials[m]).filter(|m| m.normal.is_some()) else { continue };
-        let semantic = format!("TEXCOORD_{}", material.normal_uv_set);
+        let Some(uv_set) = tangent_uv_set(materials, bumps, primitive.material) else { continue };
+        let semantic = format!("TEXCOORD_{uv_set}");
         let attribute = mesh.attributes.iter().position(|a| a.semantic == semantic && a.primitives[p]);
         let Some(index) = attribute else { continue };
         let range = surface.layout.triangles_of_primitive(primitive);

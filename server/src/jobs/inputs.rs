@@ -11,6 +11,7 @@ use bytes::Bytes;
 use crate::{
     domain::{
         Digest, Error, Result, base,
+        bump::Bumps,
         cancel::Progress,
         detail::{Detail, LayerSource},
         gltf, look, maps,
@@ -21,7 +22,7 @@ use crate::{
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, cautions, levels, normal_maps, plans::Plans},
+    jobs::{AssetReader, JobLimits, WorkContext, bumps, cautions, levels, normal_maps, plans::Plans},
     render::JobContext,
 };
 
@@ -30,6 +31,8 @@ pub(super) struct Inputs {
     pub(super) plans: Plans,
     /// For each mesh, for each of its primitives.
     pub(super) details: Vec<Vec<Option<Arc<Detail>>>>,
+    /// What bends normals.
+    pub(super) bumps: Bumps,
     /// Triangles of the base meshes, each counted once however often it is used.
     triangles_in: u64,
     passes: Vec<PassTime>,
@@ -54,6 +57,8 @@ impl Inputs {
             look::replace_opacity(&mut scene, &assets.read(digest)?)?;
         }
         job.cancel.check()?;
+        let bumps = timed(job.progress, "decode_bumps", &mut passes, || bumps::load(assets, &mut scene, request))?;
+        job.cancel.check()?;
         let details = timed(job.progress, "decode_maps", &mut passes, || details(assets, &scene, request))?;
         job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
@@ -69,7 +74,7 @@ impl Inputs {
             plans.keep_back(&scene, &details);
         }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
-        let mut inputs = Self { scene, plans, details, triangles_in, passes };
+        let mut inputs = Self { scene, plans, details, bumps, triangles_in, passes };
         normal_maps::check(&mut inputs, &request.geometry, request.lods, limits)?;
         Ok(inputs)
     }
@@ -155,7 +160,7 @@ pub(super) fn scene(assets: &dyn AssetReader, mesh: &Digest, resources: &[(Strin
 }
 
 fn details(assets: &dyn AssetReader, scene: &Scene, request: &DisplaceRequest) -> Result<maps::Details> {
-    if request.method == Method::Flat {
+    if !request.method.moves_vertices() {
         return Ok(maps::Details::default());
     }
     let details = maps::resolve(scene, &request.details, &|digest| assets.read(digest))?;
@@ -220,9 +225,15 @@ fn require_uvs(mesh: &Mesh, primitive: usize, detail: &Detail) -> Result<()> {
         LayerSource::Expression(program) => program.reads_uv(),
         _ => true,
     };
-    let semantic = format!("TEXCOORD_{}", detail.uv_set);
-    let has = mesh.attribute(&semantic).is_some_and(|a| a.primitives[primitive]);
-    if has || !detail.layers.iter().any(|layer| reads_uv(&layer.source)) {
+    if detail.layers.iter().any(|layer| reads_uv(&layer.source)) {
+        return require_uv_set(mesh, primitive, detail.uv_set);
+    }
+    Ok(())
+}
+
+pub(super) fn require_uv_set(mesh: &Mesh, primitive: usize, uv_set: u32) -> Result<()> {
+    let semantic = format!("TEXCOORD_{uv_set}");
+    if mesh.attribute(&semantic).is_some_and(|a| a.primitives[primitive]) {
         return Ok(());
     }
     Err(Error::invalid(

@@ -1,6 +1,6 @@
 //! Levels of detail: from the same base and detail, each coarser than the one before it.
 
-use super::{WorkContext, fits, inputs, inputs::Inputs, normal_maps, packing, plans};
+use super::{WorkContext, bumps, fits, inputs, inputs::Inputs, normal_maps, packing, plans};
 use crate::domain::{
     Error, Result,
     gltf::{self, Chain, Level},
@@ -138,6 +138,7 @@ impl Maker<'_> {
         let base = &scene.meshes[mesh].mesh;
         let (mut surface, times) = self.context.executor.displace(&self.context.job(), &plan, base, &details[mesh])?;
         inputs::add_times(passes, times);
+        bumps::keep_base_normals(self.context, self.inputs, geometry, (mesh, &mut surface), passes)?;
         let grid = quantizes.then(|| packing::grid(&plan, &mut surface)).flatten();
         Ok(Made { plan, level: Level { surface, grid, normal_maps: Vec::new() } })
     }

@@ -6,12 +6,15 @@ use displace_glsl::layout::raster::{
     MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS,
 };
 
-use super::AssetReader;
+use super::{AssetReader, bumps};
 use crate::domain::{
     Digest, Error, Result,
+    bump::Bumps,
     detail::Wrap,
     environment::Environment,
-    image::{AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderLight, RenderMap, RenderMaterial},
+    image::{
+        AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
+    },
     maps::{self, Encoding, SlopeMaps},
     report::Warning,
     request::Look,
@@ -25,9 +28,10 @@ const MOST_TEXELS: usize = 1 << 27;
 pub(super) struct UvSets(Vec<u32>);
 
 impl UvSets {
-    pub(super) fn of(materials: &[Material]) -> Self {
+    pub(super) fn of(materials: &[Material], bumps: &Bumps) -> Self {
         let used = materials.iter().flat_map(|material| textures(material).map(|(_, texture, _)| texture.uv_set));
-        let mut sets: Vec<u32> = used.chain([0]).collect();
+        let of_bumps = bumps.all().filter_map(|shading| Some(shading.bump.as_ref()?.uv_set));
+        let mut sets: Vec<u32> = used.chain(of_bumps).chain([0]).collect();
         sets.sort_unstable();
         sets.dedup();
         Self(sets)
@@ -64,6 +68,7 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
 pub(super) fn materials(
     scene: &mut Scene,
     sets: &UvSets,
+    bumps: &Bumps,
     alpha: AlphaMode,
     moments: bool,
 ) -> Result<Vec<RenderMaterial>> {
@@ -86,6 +91,7 @@ pub(super) fn materials(
         }
         materials.push(render_material(material, maps, alpha));
     }
+    bumps::give(bumps, sets, &mut materials);
     Ok(materials)
 }
 
@@ -151,6 +157,7 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS], al
         normal_scale: material.normal_scale,
         occlusion_strength: material.occlusion_strength,
         maps,
+        bump: RenderBump::default(),
         double_sided: material.double_sided,
         alpha: RenderAlpha::new(material.alpha, alpha),
         unlit: material.unlit,

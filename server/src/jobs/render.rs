@@ -3,7 +3,7 @@
 use displace_glsl::reference::composite::MAX_LAYERS;
 
 use super::{
-    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, fits, images, inputs,
+    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, bumps, exact, fits, images, inputs,
     inputs::Inputs, looks, plans, seams, strain, work::canonical,
 };
 use crate::{
@@ -83,7 +83,7 @@ impl RenderWork {
     /// Of triangles. Where a plan could not count them, the image is planned again once they are made.
     fn take(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
         let request = &self.request;
-        let (surfaces, mut passes) = inputs.displaced(context)?;
+        let (mut surfaces, mut passes) = inputs.displaced(context)?;
         inputs.count(report);
         planned(inputs, context.limits, request)?;
         inputs::timed(context.progress, "check_surface", &mut passes, || {
@@ -94,13 +94,16 @@ impl RenderWork {
             strain::describe(report, &mut inputs.scene, &surfaces);
             Ok(())
         })?;
+        for one in surfaces.iter_mut().enumerate() {
+            bumps::keep_base_normals(context, inputs, &request.surface.geometry, one, &mut passes)?;
+        }
         context.cancel.check()?;
         let decode = || {
             let environment = looks::environment(&request.look, context.assets)?;
             // Rays show every normal.
             let traces = request.rays().is_some() && context.executor.traces_rays();
             let moments = request.look.moments && !traces;
-            images::render_scene(request, &mut inputs.scene, surfaces, environment, moments)
+            images::render_scene(request, &mut inputs.scene, &inputs.bumps, surfaces, environment, moments)
         };
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;

@@ -22,6 +22,7 @@
 
 mod albedo;
 mod brdf;
+mod bump;
 mod environment;
 mod lobe;
 mod material;

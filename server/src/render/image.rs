@@ -1,6 +1,7 @@
 //! Images on a Vulkan device: a visibility buffer filled in compute, then shaded (`README.md` has the
 //! passes). The image is made in slabs, so that its size does not bound the memory of the samples.
 
+pub(crate) mod bump;
 pub(crate) mod coverage;
 pub mod environment;
 mod layers;

@@ -1,6 +1,7 @@
 //! Images by the f64 oracle: the same tables, every triangle against every sample its box meets, no classes,
 //! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
+mod bump;
 mod layers;
 mod light;
 mod place;
@@ -298,7 +299,7 @@ impl<'a> Oracle<'a> {
         let part = self.part(id);
         let material = part.material as usize;
         let (source, factors) = (&self.scene.materials[material], &self.tables.materials[material]);
-        self.shader.hit(&self.place(part, id), source, factors, at_px)
+        self.shader.hit(&self.place(part, id), source, factors, &self.tables.bump, at_px)
     }
 
     fn place<'p>(&'p self, part: &'p Part, id: u32) -> Place<'p> {

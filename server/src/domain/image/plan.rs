@@ -48,6 +48,8 @@ pub struct ImageContents {
     pub has_moments: bool,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
+    /// Some material's normals are bent by formulas.
+    pub has_formulas: bool,
     pub aovs: Vec<Aov>,
 }
 
@@ -127,6 +129,7 @@ impl ImageContents {
             + 56
             + 16
             + 16 * u64::from(self.map_slots)
+            + if self.has_formulas { 8 } else { 0 }
             + 4 * u64::from(self.shadow_lights)
             + if self.environment.is_some() { 36 } else { 0 }
             + if self.has_moments { 24 } else { 0 };

@@ -42,33 +42,47 @@ impl Details {
 }
 
 /// The request's details by material; an entry without a material is for all that no other entry names. A
-/// material the request leaves alone keeps the displacement of the file (KHR_materials_displacement).
+/// material the request leaves unmoved keeps the displacement of the file (KHR_materials_displacement).
 pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'_>) -> Result<Details> {
-    let resolver = Resolver { assets, images: RefCell::default(), maps: RefCell::default() };
-    let mut details = Details { of_material: vec![None; scene.materials.len()], of_none: None };
-    let mut named = vec![false; scene.materials.len()];
+    let resolver = Resolver::new(assets);
+    let entries = entries(scene, requests)?;
+    let made = requests.iter().enumerate().map(|(index, request)| Ok(resolver.detail(index, request)?.map(Arc::new)));
+    let made: Vec<Option<Arc<Detail>>> = made.collect::<Result<_>>()?;
+    let of = |entry: &Option<usize>| entry.and_then(|entry| made[entry].clone());
+    let mut details =
+        Details { of_material: entries.of_material.iter().map(of).collect(), of_none: of(&entries.of_none) };
+    for (material, slot) in details.of_material.iter_mut().enumerate().filter(|(_, slot)| slot.is_none()) {
+        if let Some(displacement) = &scene.materials[material].displacement {
+            *slot = Some(Arc::new(resolver.of_file(scene, material, displacement)?));
+        }
+    }
+    Ok(details)
+}
+
+/// Which entry of a request is for which material.
+pub(super) struct Entries {
+    /// Parallel to `Scene::materials`.
+    pub(super) of_material: Vec<Option<usize>>,
+    pub(super) of_none: Option<usize>,
+}
+
+/// An entry without a material is for all that no other entry names.
+pub(super) fn entries(scene: &Scene, requests: &[MaterialDetail]) -> Result<Entries> {
+    let mut of_material = vec![None; scene.materials.len()];
     for (index, request) in requests.iter().enumerate() {
         let Some(name) = &request.material else { continue };
-        let detail = Arc::new(resolver.detail(index, request)?);
         for material in materials_called(scene, index, name)? {
-            if std::mem::replace(&mut named[material], true) {
+            if of_material[material].replace(index).is_some() {
                 let field = format!("details[{index}].material");
                 return Err(Error::invalid(
                     field,
                     format!("'{name}' is named by an earlier entry too: give one entry for each material"),
                 ));
             }
-            details.of_material[material] = Some(Arc::clone(&detail));
         }
     }
     let mut general = requests.iter().enumerate().filter(|(_, request)| request.material.is_none());
-    if let Some((index, request)) = general.next() {
-        let detail = Arc::new(resolver.detail(index, request)?);
-        for slot in details.of_material.iter_mut().filter(|slot| slot.is_none()) {
-            *slot = Some(Arc::clone(&detail));
-        }
-        details.of_none = Some(detail);
-    }
+    let of_none = general.next().map(|(index, _)| index);
     if let Some((index, _)) = general.next() {
         let field = format!("details[{index}].material");
         return Err(Error::invalid(
@@ -76,12 +90,7 @@ pub fn resolve(scene: &Scene, requests: &[MaterialDetail], assets: &AssetBytes<'
             "a second entry is for all materials: name a material, or merge the entries",
         ));
     }
-    for (material, slot) in details.of_material.iter_mut().enumerate().filter(|(_, slot)| slot.is_none()) {
-        if let Some(displacement) = &scene.materials[material].displacement {
-            *slot = Some(Arc::new(resolver.of_file(scene, material, displacement)?));
-        }
-    }
-    Ok(details)
+    Ok(Entries { of_material: of_material.into_iter().map(|own: Option<usize>| own.or(of_none)).collect(), of_none })
 }
 
 fn materials_called(scene: &Scene, index: usize, name: &str) -> Result<Vec<usize>> {
@@ -97,8 +106,8 @@ fn materials_called(scene: &Scene, index: usize, name: &str) -> Result<Vec<usize
     Ok(found)
 }
 
-struct Resolver<'a> {
-    assets: &'a AssetBytes<'a>,
+pub(super) struct Resolver<'a> {
+    pub(super) assets: &'a AssetBytes<'a>,
     /// Decoded once however many layers use it.
     images: RefCell<HashMap<Digest, Arc<Pixels>>>,
     /// Held once however many layers have it, by all that it is made of.
@@ -109,17 +118,24 @@ struct Resolver<'a> {
 const MAX_VALUES: u64 = MAX_TEXELS;
 /// Of all decoded images of one job together.
 const MAX_IMAGE_BYTES: u64 = 4 << 30;
-const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-const FLIPPED_V: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
+
+impl<'a> Resolver<'a> {
+    pub(super) fn new(assets: &'a AssetBytes<'a>) -> Self {
+        Self { assets, images: RefCell::default(), maps: RefCell::default() }
+    }
+}
 
 impl Resolver<'_> {
-    fn detail(&self, index: usize, request: &MaterialDetail) -> Result<Detail> {
-        let layers = request.layers.iter().enumerate();
+    /// None where nothing moves; normal maps bend alone.
+    fn detail(&self, index: usize, request: &MaterialDetail) -> Result<Option<Detail>> {
+        let moves = |layer: &LayerRequest| !matches!(layer.source, SourceRequest::Normal { .. });
+        let layers = request.layers.iter().enumerate().filter(|(_, layer)| moves(layer));
         let layers = layers.map(|(k, layer)| self.layer(&format!("details[{index}].layers[{k}]"), layer));
-        Ok(Detail { layers: layers.collect::<Result<_>>()?, uv_set: request.uv_set })
+        let layers: Vec<Layer> = layers.collect::<Result<_>>()?;
+        Ok((!layers.is_empty()).then_some(Detail { layers, uv_set: request.uv_set }))
     }
 
-    fn layer(&self, field: &str, request: &LayerRequest) -> Result<Layer> {
+    pub(super) fn layer(&self, field: &str, request: &LayerRequest) -> Result<Layer> {
         let (source, midlevel) = match &request.source {
             SourceRequest::Height { map, channel } => {
                 let key = format!("{map:?} {channel:?} {}", request.invert_height);
@@ -141,6 +157,7 @@ impl Resolver<'_> {
                 let program = Program::parse(source).map_err(|e| e.with_field(format!("{field}.expression")))?;
                 (LayerSource::Expression(Arc::new(program)), request.midlevel.unwrap_or(0.0))
             }
+            SourceRequest::Normal { .. } => return Err(Error::internal("a normal map moves nothing")),
         };
         // West 2007 prints P − N·mag·Km for heights: inwards. Directions carry their own sign.
         let inwards = request.preset == Preset::AsPrinted
@@ -149,7 +166,7 @@ impl Resolver<'_> {
             source,
             scale: if inwards { -request.scale } else { request.scale },
             midlevel,
-            map_from_uv: if request.flip_v { FLIPPED_V } else { IDENTITY },
+            map_from_uv: Layer::map_from_uv(request.flip_v),
         })
     }
 
@@ -172,7 +189,7 @@ impl Resolver<'_> {
         Err(Error::too_large("details", message))
     }
 
-    fn pixels(&self, field: &str, asset: &Digest) -> Result<Arc<Pixels>> {
+    pub(super) fn pixels(&self, field: &str, asset: &Digest) -> Result<Arc<Pixels>> {
         if let Some(known) = self.images.borrow().get(asset) {
             return Ok(Arc::clone(known));
         }
@@ -241,7 +258,12 @@ impl Resolver<'_> {
     }
 
     /// KHR_materials_displacement: H = factor · red + offset.
-    fn of_file(&self, scene: &Scene, material: usize, displacement: &MaterialDisplacement) -> Result<Detail> {
+    pub(super) fn of_file(
+        &self,
+        scene: &Scene,
+        material: usize,
+        displacement: &MaterialDisplacement,
+    ) -> Result<Detail> {
         let field = format!("materials[{material}].extensions.KHR_materials_displacement");
         let bytes = scene.images.get(displacement.texture.image).and_then(|image| image.bytes.as_ref());
         let bytes = bytes.ok_or_else(|| Error::invalid(&field, "its image is not there: upload the file it names"))?;
@@ -275,15 +297,7 @@ fn placed(map: Arc<Map>, space: Space) -> LayerSource {
 }
 
 fn map(field: &str, pixels: &Pixels, channels: u32, texels: Vec<f32>, request: &MapRequest) -> Result<Map> {
-    if request.sampling == Sampling::Node && (pixels.width < 2 || pixels.height < 2) {
-        return Err(Error::invalid(
-            field,
-            format!(
-                "node sampling needs at least 2 x 2 pixels and the map has {} x {}: use center sampling",
-                pixels.width, pixels.height
-            ),
-        ));
-    }
+    Map::check_nodes(field, [pixels.width, pixels.height], request.sampling)?;
     let wrap = [request.wrap.unwrap_or(Wrap::Repeat); 2];
     Ok(Map {
         width: pixels.width,
@@ -310,7 +324,7 @@ fn channel_index(field: &str, pixels: &Pixels, channel: Channel) -> Result<usize
     })
 }
 
-fn axes(field: &str, pixels: &Pixels, swizzle: Swizzle) -> Result<[usize; 3]> {
+pub(super) fn axes(field: &str, pixels: &Pixels, swizzle: Swizzle) -> Result<[usize; 3]> {
     if pixels.channels < 3 {
         return Err(Error::invalid(
             field,
@@ -320,12 +334,12 @@ fn axes(field: &str, pixels: &Pixels, swizzle: Swizzle) -> Result<[usize; 3]> {
     Ok(swizzle.0.map(|(axis, _)| usize::from(axis)))
 }
 
-fn signed(swizzle: Swizzle, k: usize, value: f32) -> f32 {
+pub(super) fn signed(swizzle: Swizzle, k: usize, value: f32) -> f32 {
     if swizzle.0[k].1 { -value } else { value }
 }
 
 /// A component in [−1, 1] with an exact zero: (c − 128) / 127 for 8 bits, (c − 32768) / 32767 for 16.
-fn direction_component(bits: u32, value: f32) -> f32 {
+pub(super) fn direction_component(bits: u32, value: f32) -> f32 {
     let component = match bits {
         8 => (value * 255.0 - 128.0) / 127.0,
         16 => (value * 65535.0 - 32768.0) / 32767.0,

@@ -49,16 +49,23 @@ fn layer_of(path: &str, layer: v1::Layer, method: Method) -> Result<LayerRequest
     let source = layer.source.ok_or_else(|| Error::invalid(join(path, "source"), "is required"))?;
     let source = source_of(path, source)?;
     let is_height = matches!(source, SourceRequest::Height { .. } | SourceRequest::Expression { .. });
+    let is_normal = matches!(source, SourceRequest::Normal { .. });
     if method == Method::Vector && matches!(source, SourceRequest::Height { .. }) {
         return Err(Error::invalid(join(path, "height"), "holds no vectors; use the method displacement"));
     }
+    if is_normal && layer.midlevel.is_some() {
+        let message = "is for heights, vectors and magnitudes; the zero of a normal map is at half range: leave it out";
+        return Err(Error::invalid(join(path, "midlevel"), message));
+    }
     if layer.invert_height && !is_height {
-        return Err(Error::invalid(join(path, "invert_height"), "is for heights; this layer holds vectors"));
+        return Err(Error::invalid(join(path, "invert_height"), "is for heights; this layer holds others"));
     }
     let preset = match known(&join(path, "preset"), layer.preset)? {
         v1::Preset::Unspecified => Preset::Right,
         v1::Preset::AsPrinted => Preset::AsPrinted,
+        v1::Preset::Cyslice => Preset::CySlice,
     };
+    check_preset(&join(path, "preset"), preset, &source)?;
     Ok(LayerRequest {
         source,
         scale: finite(&join(path, "scale"), layer.scale.unwrap_or(1.0))?,
@@ -67,6 +74,20 @@ fn layer_of(path: &str, layer: v1::Layer, method: Method) -> Result<LayerRequest
         flip_v: layer.flip_v,
         preset,
     })
+}
+
+/// What is printed of a kind of layer.
+fn check_preset(field: &str, preset: Preset, source: &SourceRequest) -> Result<()> {
+    let is_normal = matches!(source, SourceRequest::Normal { .. });
+    let in_tangent_space = matches!(source, SourceRequest::Normal { space: Space::Tangent, .. });
+    let message = match preset {
+        Preset::AsPrinted if is_normal => "as-printed prints nothing of normal maps: leave it out, or take cyslice",
+        Preset::CySlice if !in_tangent_space => {
+            "cyslice prints the frame of normal maps in tangent space: leave it out for other layers"
+        }
+        _ => return Ok(()),
+    };
+    Err(Error::invalid(field, message))
 }
 
 fn source_of(path: &str, source: v1::layer::Source) -> Result<SourceRequest> {
@@ -86,6 +107,13 @@ fn source_of(path: &str, source: v1::layer::Source) -> Result<SourceRequest> {
             magnitude: map(&join(path, "direction.magnitude"), direction.magnitude)?,
             space: space(&join(path, "direction.space"), direction.space)?,
             swizzle: swizzle(&join(path, "direction.swizzle"), &direction.swizzle)?,
+        },
+        Source::Normal(normal) => SourceRequest::Normal {
+            map: map(&join(path, "normal.map"), normal.map)?,
+            space: space(&join(path, "normal.space"), normal.space)?,
+            swizzle: swizzle(&join(path, "normal.swizzle"), &normal.swizzle)?,
+            flip_green: normal.flip_green,
+            exact_zero: normal.exact_zero,
         },
         Source::Expression(expression) => {
             count(&join(path, "expression.source"), expression.source.len(), 1, MAX_EXPRESSION_BYTES)?;

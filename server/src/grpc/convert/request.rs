@@ -124,6 +124,7 @@ const DEFAULT_PRECISION: f64 = 1e-4;
 const PRECISION: std::ops::RangeInclusive<f64> = 1e-7..=1.0;
 
 pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
+    refuse_normal_maps(&request.details)?;
     let (mesh, resources) = mesh_source("result", request.result)?;
     let precision = request.precision.unwrap_or(DEFAULT_PRECISION);
     if !PRECISION.contains(&precision) {
@@ -159,6 +160,15 @@ pub(crate) fn measure(request: v1::MeasureRequest) -> Result<MeasureRequest> {
     })
 }
 
+/// Nothing moves by them, so they say nothing of distances.
+fn refuse_normal_maps(details: &[v1::MaterialDetail]) -> Result<()> {
+    let is_normal = |layer: &v1::Layer| matches!(layer.source, Some(v1::layer::Source::Normal(_)));
+    let found = |(n, detail): (usize, &v1::MaterialDetail)| Some((n, detail.layers.iter().position(is_normal)?));
+    let Some((n, k)) = details.iter().enumerate().find_map(found) else { return Ok(()) };
+    let message = "moves nothing, and distances do not tell of it: leave it out";
+    Err(Error::invalid(format!("details[{n}].layers[{k}].normal"), message))
+}
+
 /// The method that realises every layer.
 fn method_for(details: &[v1::MaterialDetail]) -> v1::Method {
     use v1::layer::Source;
@@ -189,6 +199,8 @@ fn method(field: &str, method: i32) -> Result<Method> {
         v1::Method::Unspecified | v1::Method::Displacement => Method::Displacement,
         v1::Method::Flat => Method::Flat,
         v1::Method::Vector => Method::Vector,
+        v1::Method::Bump => Method::Bump,
+        v1::Method::Normal => Method::Normal,
     })
 }
 

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec2, DVec3, DVec4};
 
 use displace_glsl::layout::raster::{MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION};
 
-use super::{super::field::wrapped, scene::OracleMesh, world::blend};
+use super::{super::field::wrapped, bump, scene::OracleMesh, world::blend};
 use crate::domain::{
     detail::{Sampling, Wrap},
     image::{ColorMap, RenderMap, RenderMaterial},
@@ -30,7 +30,7 @@ pub(super) struct Look {
     pub(super) base: DVec4,
     /// Linear radiance.
     pub(super) emissive: DVec3,
-    /// Of the normal map where there is one: world, unit or 0, on the side that is seen.
+    /// Of the normal map where there is one, bent by what else bends: world, unit or 0, on the side that is seen.
     pub(super) normal: DVec3,
     /// Share of light from everywhere that arrives.
     pub(super) open: f64,
@@ -41,16 +41,19 @@ pub(super) struct Look {
 }
 
 impl Corners<'_> {
-    fn uv(&self, channel: usize) -> DVec2 {
-        let uv = |v: usize| DVec2::from_array(self.mesh.uvs[v * self.uv_channels + channel].map(f64::from));
-        blend(self.weights, self.vertices.map(uv))
+    pub(super) fn uv(&self, channel: usize) -> DVec2 {
+        blend(self.weights, [0, 1, 2].map(|corner| self.uv_of_corner(channel, corner)))
+    }
+
+    pub(super) fn uv_of_corner(&self, channel: usize, corner: usize) -> DVec2 {
+        DVec2::from_array(self.mesh.uvs[self.vertices[corner] * self.uv_channels + channel].map(f64::from))
     }
 
     pub(super) fn uv_of_base_color(&self, material: &RenderMaterial) -> DVec2 {
         self.uv(material.maps[MAP_BASE_COLOR].as_ref().map_or(0, |map| map.uv_channel as usize))
     }
 
-    fn read(&self, map: &RenderMap) -> DVec4 {
+    pub(super) fn read(&self, map: &RenderMap) -> DVec4 {
         let uv = self.uv(map.uv_channel as usize).extend(1.0);
         bilinear(&map.map, map.map_from_uv.map(|row| DVec3::from_array(row.map(f64::from)).dot(uv)), map.wrap)
     }
@@ -65,7 +68,7 @@ impl Corners<'_> {
     }
 
     /// Tangent in the mesh's space, and the sign of the bitangent.
-    fn tangent(&self) -> Option<(DVec3, f64)> {
+    pub(super) fn tangent(&self) -> Option<(DVec3, f64)> {
         let corners = self.mesh.tangents.get(3 * self.triangle..3 * self.triangle + 3)?;
         let of = |k: usize| DVec4::from_array(corners[k].map(f64::from));
         let tangent = blend(self.weights, [of(0), of(1), of(2)]);
@@ -87,10 +90,13 @@ pub(super) fn look(m: &RenderMaterial, at: &Corners<'_>, normal: DVec3, side: f6
         let bent = map.truncate() * DVec3::new(m.normal_scale.into(), m.normal_scale.into(), 1.0);
         in_frame(bent, at, normal * side, world_from_mesh)
     });
+    let own = mapped.map_or(normal, |mapped| mapped * side);
+    let bent = Some(m).filter(|m| !m.bump.is_empty());
+    let bent = bent.and_then(|m| bump::bent(m, at, own * side, normal * side, world_from_mesh));
     Look {
         base: at.base_color(m),
         emissive: emitted * DVec3::from_array(m.emissive_factor.map(f64::from)),
-        normal: mapped.map_or(normal, |mapped| mapped * side),
+        normal: bent.map_or(own, |bent| bent * side),
         open: 1.0 - f64::from(m.occlusion_strength) * shaded,
         metallic: surface.z * f64::from(m.metallic_factor),
         roughness: surface.y * f64::from(m.roughness_factor),

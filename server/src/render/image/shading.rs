@@ -20,7 +20,7 @@ use crate::{
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, layers, light, streams::WorkStreams, visibility::fragment_count};
+use super::{Frame, Run, Slab, bump, layers, light, streams::WorkStreams, visibility::fragment_count};
 
 /// Shades what is solid, and makes the images; of layers, where there are any.
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
@@ -76,7 +76,8 @@ pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, 
     }
     record_surface(recorder, frame, count)?;
     (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
-    record_look(recorder, frame, count)
+    record_look(recorder, frame, count)?;
+    bump::record(recorder, frame, count)
 }
 
 fn record_images(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {

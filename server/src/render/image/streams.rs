@@ -22,6 +22,7 @@ use crate::{
 };
 
 use super::{
+    bump::BumpStreams,
     environment::{self, EnvironmentStreams},
     tables::Tables,
     textures::Textures,
@@ -51,6 +52,7 @@ pub(crate) struct SceneStreams {
     pub(crate) instance_rows: Stream,
     pub(crate) materials: Stream,
     pub(crate) texture_uses: Stream,
+    pub(crate) bump: BumpStreams,
     pub(crate) lights: Stream,
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
@@ -102,6 +104,7 @@ impl SceneStreams {
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
             materials: Stream::from_slice(device, "materials", &tables.materials)?,
             texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
+            bump: BumpStreams::upload(device, &tables.bump)?,
             lights: Stream::from_slice(device, "lights", &tables.lights)?,
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,
@@ -219,6 +222,8 @@ pub(crate) struct WorkStreams {
     pub(crate) points: Stream,
     /// What the maps of each kind show of each fragment; empty where no material has any.
     pub(crate) mapped: [Stream; MAP_SLOTS],
+    /// Of formulas along two sides of each fragment's triangle; empty where none bends normals.
+    pub(crate) rises: Stream,
     pub(crate) appearances: Stream,
     /// How the normals of each fragment scatter; empty without moments.
     pub(crate) spreads: Stream,
@@ -306,6 +311,7 @@ impl WorkStreams {
             fragments: new("fragments", size_of::<Fragment>(), fragments)?,
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
             mapped: mapped(device, scene, fragments)?,
+            rises: new("rises", 8, if tables.bump.formulas.is_empty() { 0 } else { fragments })?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
             spreads: new("spreads", size_of::<Spread>(), if scene.has_map(MAP_NORMAL_MOMENTS) { samples } else { 0 })?,
             shadows: new(

@@ -10,6 +10,7 @@ use displace_glsl::layout::raster::{
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
+use super::bump::BumpTables;
 use crate::domain::{
     Error, Result,
     detail::Wrap,
@@ -30,6 +31,7 @@ pub(crate) struct Tables {
     pub(crate) materials: Vec<Material>,
     /// `MAP_SLOTS` for each material, without their levels.
     pub(crate) texture_uses: Vec<TextureUse>,
+    pub(crate) bump: BumpTables,
     pub(crate) lights: Vec<Light>,
     pub(crate) meshes: Vec<MeshPlace>,
     pub(crate) batches: Vec<Batch>,
@@ -75,6 +77,7 @@ impl Tables {
             instance_rows: Vec::new(),
             materials: scene.materials.iter().map(material).collect(),
             texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
+            bump: BumpTables::new(scene)?,
             lights: scene.lighting.lights.iter().map(light).collect(),
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],
@@ -292,6 +295,10 @@ pub(crate) fn check(scene: &RenderScene) -> Result<()> {
     let maps = scene.materials.iter().flat_map(|material| &material.maps).flatten();
     if scene.uv_channels == 0 || maps.clone().any(|map| map.uv_channel >= scene.uv_channels) {
         return Err(Error::internal(format!("a map reads a UV channel beyond {}", scene.uv_channels)));
+    }
+    let formulas = scene.materials.iter().flat_map(|material| &material.bump.formulas);
+    if formulas.clone().any(|formula| formula.uv_channel >= scene.uv_channels) {
+        return Err(Error::internal(format!("a formula reads a UV channel beyond {}", scene.uv_channels)));
     }
     let meshes = scene.meshes.len();
     if scene.instances.iter().any(|instance| instance.mesh >= meshes) {

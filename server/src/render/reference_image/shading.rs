@@ -16,10 +16,13 @@ use displace_glsl::{
 };
 use glam::{DVec2, DVec3, DVec4};
 
-use super::place::Place;
+use super::{
+    bump::{Unbent, bent},
+    place::Place,
+};
 use crate::{
     domain::image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
-    render::image::{coverage, tables::wrap_numbers},
+    render::image::{bump::BumpTables, coverage, tables::wrap_numbers},
 };
 
 pub(super) struct Hit {
@@ -52,7 +55,14 @@ impl Shader {
         Self { maps: map_levels(scene), filter: twin(scene.filter), moments: scene.has_map(MAP_NORMAL_MOMENTS) }
     }
 
-    pub(super) fn hit(&self, place: &Place<'_>, source: &RenderMaterial, factors: &Material, at_px: [f64; 2]) -> Hit {
+    pub(super) fn hit(
+        &self,
+        place: &Place<'_>,
+        source: &RenderMaterial,
+        factors: &Material,
+        bumps: &BumpTables,
+        at_px: [f64; 2],
+    ) -> Hit {
         let b = barycentrics(place.vertices().map(|v| {
             let h = homogeneous(place.rows, place.mesh.positions[v]);
             DVec3::new(h.x - at_px[0] * h.w, h.y - at_px[1] * h.w, h.w)
@@ -60,15 +70,18 @@ impl Shader {
         let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
         let normal = flip * place.normal(b.at);
         let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at) };
+        let mapped = self.mapped(place, source, &b);
+        let mut look = appearance(factors, &under, &mapped);
+        look.normal =
+            bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
         let normal_change = |weights: DVec3| flip * place.normal_change(b.at, weights);
         let position_change = |weights: DVec3| place.position_change(weights);
         let corner = |weights: DVec3| (place.position(weights), flip * place.normal(weights));
         let base_channel = source.maps[MAP_BASE_COLOR].as_ref().map_or(0, |map| map.uv_channel);
-        let mapped = self.mapped(place, source, &b);
         Hit {
             position: place.position(b.at),
             uv: place.uv(base_channel, b.at),
-            look: appearance(factors, &under, &mapped),
+            look,
             spread: self.spread(place, source, factors, &under, &mapped, &b),
             normal,
             facing: flip * place.front(),
