@@ -159,7 +159,6 @@ mirrors! {
         pub count: u32,
         pub slot: u32,
         pub uv_channels: u32,
-        pub footprint: f32,
     }
 
     pub struct AppearanceParams {

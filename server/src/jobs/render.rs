@@ -147,7 +147,7 @@ fn layers_left_out() -> Warning {
     Warning::new("layers_left_out", message)
 }
 
-/// The image's plan as far as it is known, its base colour maps excepted: before the work, of what the surfaces have
+/// The image's plan as far as it is known, its maps excepted: before the work, of what the surfaces have
 /// at least. Refuses what can be refused by it.
 fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
     camera::check(&request.camera, &inputs.scene)?;

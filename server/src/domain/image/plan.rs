@@ -32,7 +32,7 @@ pub struct ImageContents {
     /// Of all instances, each counted as often as it is used.
     pub instance_vertices: u64,
     pub instance_triangles: u64,
-    /// Texels of the distinct base colour maps.
+    /// Texels of the distinct maps of all kinds.
     pub texels: u64,
     pub has_colors: bool,
     /// Of each vertex.

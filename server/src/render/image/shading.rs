@@ -106,7 +106,7 @@ pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: u
         return Ok(());
     }
     let uv_channels = scene.uv_channels;
-    let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels, footprint: 1.0 };
+    let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels };
     let bound = [
         ("points", &work.points),
         ("maps", &streams.texture_uses),
