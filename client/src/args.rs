@@ -16,7 +16,7 @@ pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use light::{AlphaArg, FilterArg, LightArgs, ShadingArg, ShadowsArg};
-pub(crate) use look::LookArgs;
+pub(crate) use look::{LookArgs, ProjectionArg};
 pub(crate) use values::LightArg;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";

@@ -6,6 +6,7 @@ mod filters;
 mod light;
 mod looks;
 mod passes;
+pub(crate) mod projection;
 pub(crate) mod scenes;
 
 use std::{collections::HashSet, sync::OnceLock};

@@ -161,10 +161,30 @@ mirrors! {
         pub uv_channels: u32,
     }
 
+    pub struct ProjectParams {
+        pub count: u32,
+        pub kind: u32,
+        pub index: u32,
+    }
+
+    /// How a fragment lies under a projection.
+    pub struct ProjectedFrame {
+        pub tangent: [f32; 3],
+        pub weight: f32,
+        pub bitangent: [f32; 3],
+    }
+
+    pub struct ProjectBlendParams {
+        pub count: u32,
+        pub index: u32,
+        pub is_slope: u32,
+    }
+
     pub struct AppearanceParams {
         pub count: u32,
         pub maps: u32,
         pub has_colors: u32,
+        pub is_projected: u32,
     }
 
     pub struct MaskedParams {

@@ -11,6 +11,7 @@ use glam::DMat4;
 
 use super::{
     detail::Wrap,
+    projection::{Projection, ProjectionBox},
     request::{Aov, Shadows},
 };
 
@@ -43,6 +44,7 @@ pub struct RenderScene {
     pub shading: Shading,
     pub shadows: Shadows,
     pub filter: Filter,
+    pub projection: Projection,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -68,6 +70,7 @@ impl RenderScene {
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
             has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
+            is_projected: self.projection != Projection::Uv,
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             aovs: self.aovs.clone(),
         }
@@ -101,6 +104,8 @@ pub struct RenderMesh {
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// (first triangle, index into `materials`), ascending; covers all triangles.
     pub material_of_triangles: Vec<(u32, u32)>,
+    /// Of the mesh before it is displaced.
+    pub projection_box: ProjectionBox,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -11,6 +11,7 @@ use crate::domain::{
     environment::Environment,
     image::{RenderInstance, RenderMesh, RenderScene},
     mesh::{Mesh, Primitive},
+    projection::{Projection, ProjectionBox},
     report::Warning,
     request::RenderRequest,
     scene::{Material, Scene},
@@ -27,11 +28,13 @@ pub(super) fn render_scene(
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials);
-    let materials = looks::materials(scene, &sets, request.look.alpha)?;
+    let projection = request.surface.maps.projection;
+    let materials = looks::materials(scene, &sets, request.look.alpha, projection)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();
-        meshes.push(render_mesh(&m.mesh, &scene.materials, &sets, surface, &mut warnings)?);
+        let mesh = render_mesh(&m.mesh, &scene.materials, &sets, surface, projection, &mut warnings)?;
+        meshes.push(mesh);
         scene.warnings.extend(warnings);
     }
     let instances = scene.instances.iter();
@@ -44,6 +47,7 @@ pub(super) fn render_scene(
         shading: request.look.shading,
         shadows: request.look.shadows,
         filter: request.look.filter,
+        projection,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })
@@ -70,11 +74,16 @@ fn render_mesh(
     materials: &[Material],
     sets: &UvSets,
     mut surface: Surface,
+    projection: Projection,
     warnings: &mut Vec<Warning>,
 ) -> Result<RenderMesh> {
     let uvs = uvs(mesh, sets, &surface);
     let colors = colors(mesh, &surface);
-    let tangents = tangents(mesh, materials, &surface, warnings)?;
+    // Projections have frames of their own.
+    let tangents = match projection {
+        Projection::Uv => tangents(mesh, materials, &surface, warnings)?,
+        _ => Vec::new(),
+    };
     let material_of_triangles = mesh
         .primitives
         .iter()
@@ -91,6 +100,7 @@ fn render_mesh(
         colors: Arc::new(colors),
         triangles: Arc::new(std::mem::take(&mut surface.triangles)),
         material_of_triangles,
+        projection_box: ProjectionBox::of(mesh.gv_position.iter().copied()),
     })
 }
 

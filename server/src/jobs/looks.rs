@@ -9,9 +9,11 @@ use displace_glsl::layout::raster::{
 use super::AssetReader;
 use crate::domain::{
     Digest, Error, Result,
+    detail::Wrap,
     environment::Environment,
     image::{AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderLight, RenderMap, RenderMaterial},
     maps::{self, Encoding},
+    projection::Projection,
     report::Warning,
     request::Look,
     scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
@@ -59,7 +61,14 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
 }
 
 /// The scene's materials, then one for primitives without.
-pub(super) fn materials(scene: &mut Scene, sets: &UvSets, alpha: AlphaMode) -> Result<Vec<RenderMaterial>> {
+pub(super) fn materials(
+    scene: &mut Scene,
+    sets: &UvSets,
+    alpha: AlphaMode,
+    projection: Projection,
+) -> Result<Vec<RenderMaterial>> {
+    // Around a sphere a map goes on at its seam, and ends at the poles.
+    let wrap = projection.is_sphere().then_some([Wrap::Repeat, Wrap::Clamp]);
     let mut images = Images { decoded: HashMap::new(), texels: 0 };
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&Material::default()]) {
@@ -67,9 +76,10 @@ pub(super) fn materials(scene: &mut Scene, sets: &UvSets, alpha: AlphaMode) -> R
         for (slot, texture, encoding) in textures(material) {
             maps[slot] = images.read(scene, texture.image, encoding)?.map(|map| RenderMap {
                 map,
-                uv_channel: sets.channel(texture.uv_set),
+                // A projection is all the coordinates there are.
+                uv_channel: if projection == Projection::Uv { sets.channel(texture.uv_set) } else { 0 },
                 map_from_uv: texture.map_from_uv,
-                wrap: texture.wrap,
+                wrap: wrap.unwrap_or(texture.wrap),
             });
         }
         materials.push(render_material(material, maps, alpha));

@@ -1,6 +1,6 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
-use displace_glsl::reference::composite::MAX_LAYERS;
+use displace_glsl::{layout::raster::MAP_BASE_COLOR, reference::composite::MAX_LAYERS};
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, exact, fits, images, inputs,
@@ -11,7 +11,8 @@ use crate::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting},
+        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderMaterial, RenderScene},
+        projection::Projection,
         report::{Estimate, PassTime, Report, Warning},
         request::{ImageFormat, RenderRequest, Shadows},
     },
@@ -101,6 +102,7 @@ impl RenderWork {
         };
         let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
+        refuse_projected_shadows(&plan, &scene)?;
         let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
         if images.layers_left_out {
@@ -138,6 +140,17 @@ impl RenderWork {
         let device = executor.device_name().into();
         ImageSettings { samples, shadows, lighting, device, build: BUILD_ID.into(), residual_world }
     }
+}
+
+/// Rays towards lights read cut-outs at texture coordinates.
+fn refuse_projected_shadows(plan: &ImagePlan, scene: &RenderScene) -> Result<()> {
+    let cuts = |material: &RenderMaterial| material.alpha.cutoff() > 0.0 && material.maps[MAP_BASE_COLOR].is_some();
+    let reads = scene.projection != Projection::Uv && scene.shadows == Shadows::Ray;
+    if !reads || plan.rays.is_some() || !scene.materials.iter().any(cuts) {
+        return Ok(());
+    }
+    let message = "some materials have holes where their map is transparent, and shadows by rays see these at texture coordinates alone: take shadows none, or samples on the device reference";
+    Err(Error::unsupported("surface.look.projection", message))
 }
 
 fn layers_left_out() -> Warning {

@@ -5,6 +5,7 @@ pub(crate) mod coverage;
 pub mod environment;
 mod layers;
 pub(crate) mod light;
+mod projected;
 pub(crate) mod shading;
 mod streams;
 pub(crate) mod tables;

@@ -4,6 +4,7 @@
 mod layers;
 mod light;
 mod place;
+mod projected;
 mod shading;
 
 use displace_glsl::{

@@ -40,6 +40,8 @@ pub struct ImageContents {
     pub has_tangents: bool,
     /// Some material is blended.
     pub has_layers: bool,
+    /// Places are projected onto maps.
+    pub is_projected: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
@@ -126,6 +128,8 @@ impl ImageContents {
             + 16
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
+            // A point to read maps at, its frame, and what one projection shows.
+            + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
             + if self.environment.is_some() { 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };

@@ -6,7 +6,8 @@ use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
     image::{AlphaMode, Filter, LightShape, RenderLight, Shading},
-    request::{Look, Shadows},
+    projection::Projection,
+    request::{Look, LookMaps, Shadows},
 };
 
 /// Where no environment lights the scene.
@@ -42,6 +43,30 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::AlphaMode::Mask => AlphaMode::Mask,
             v1::AlphaMode::Unspecified | v1::AlphaMode::Blend => AlphaMode::Blend,
             v1::AlphaMode::Stochastic => AlphaMode::Stochastic,
+        },
+    })
+}
+
+/// What the maps of materials are, and where they are read.
+pub(super) fn maps(path: &str, look: Option<v1::Look>) -> Result<LookMaps> {
+    let look = look.unwrap_or_default();
+    let map =
+        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
+    Ok(LookMaps {
+        base_color: map("base_color", look.base_color)?,
+        metallic_roughness: map("metallic_roughness", look.metallic_roughness)?,
+        occlusion: map("occlusion", look.occlusion)?,
+        emissive: map("emissive", look.emissive)?,
+        opacity: map("opacity", look.opacity)?,
+        projection: match known::<v1::Projection>(&join(path, "projection"), look.projection)? {
+            v1::Projection::Unspecified | v1::Projection::Uv => Projection::Uv,
+            v1::Projection::Sphere => Projection::Sphere,
+            v1::Projection::SphereAsPrinted => Projection::SphereAsPrinted,
+            v1::Projection::PlanarX => Projection::PlanarX,
+            v1::Projection::PlanarY => Projection::PlanarY,
+            v1::Projection::PlanarZ => Projection::PlanarZ,
+            v1::Projection::Box => Projection::Box,
+            v1::Projection::Triplanar => Projection::Triplanar,
         },
     })
 }

@@ -12,6 +12,7 @@ use crate::{
     config::Config,
     domain::{
         Digest, Error, Result, lods,
+        projection::Projection,
         request::{
             Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, MeasureRequest,
             Method, Normals, RenderRequest,
@@ -47,6 +48,10 @@ pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<Displ
             "the surface itself has no triangles to write: give a tolerance or uniform_level; exact is for Render";
         return Err(Error::invalid(join(path, "geometry.exact"), message));
     }
+    if parsed.maps.projection != Projection::Uv {
+        let message = "the file that Displace writes has its maps at texture coordinates alone: leave the projection for Render, or give the mesh coordinates";
+        return Err(Error::unsupported(join(path, "look.projection"), message));
+    }
     Ok(parsed)
 }
 
@@ -55,14 +60,10 @@ fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> 
     let method = method(&join(path, "method"), request.method)?;
     let details = details::parse(&join(path, "details"), request.details, method)?;
     let geometry = geometry::parse(&join(path, "geometry"), request.geometry)?;
-    let look = request.look.unwrap_or_default();
-    let map =
-        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
-    let base_color = map("look.base_color", look.base_color)?;
-    let opacity = map("look.opacity", look.opacity)?;
+    let maps = look::maps(&join(path, "look"), request.look)?;
     let compression = compression(&join(path, "compression"), request.compression)?;
     let lods = lods(&join(path, "lods"), request.lods, &geometry)?;
-    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, opacity, compression, lods })
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, maps, compression, lods })
 }
 
 fn lods(field: &str, levels: u32, geometry: &Geometry) -> Result<u32> {

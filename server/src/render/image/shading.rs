@@ -15,12 +15,13 @@ use crate::{
     domain::{
         Result,
         image::{Filter, ImageSet, RenderCamera},
+        projection::Projection,
         request::Aov,
     },
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, layers, light, streams::WorkStreams, visibility::fragment_count};
+use super::{Frame, Run, Slab, layers, light, projected, streams::WorkStreams, visibility::fragment_count};
 
 /// Shades what is solid, and makes the images; of layers, where there are any.
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
@@ -101,19 +102,29 @@ pub(crate) fn record_surface(recorder: &mut Recorder<'_>, frame: &Frame<'_>, cou
 
 /// What the maps of one kind show of the first `count` fragments; nothing where no material has any.
 pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: usize, count: u64) -> Result<()> {
-    let Frame { scene, streams, work, .. } = frame;
-    if work.mapped[slot].is_empty() {
+    if frame.work.mapped[slot].is_empty() {
         return Ok(());
     }
-    let uv_channels = scene.uv_channels;
+    match frame.scene.projection {
+        Projection::Uv => record_filter(recorder, frame, slot, count),
+        _ => projected::record_map(recorder, frame, slot, count),
+    }
+}
+
+/// At texture coordinates, or where a projection puts them.
+pub(super) fn record_filter(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: usize, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let is_projected = scene.projection != Projection::Uv;
+    let uv_channels = if is_projected { 1 } else { scene.uv_channels };
     let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels };
+    let place = &work.projected;
     let bound = [
-        ("points", &work.points),
+        ("points", if is_projected { &place.points } else { &work.points }),
         ("maps", &streams.texture_uses),
-        ("uvs", &streams.uvs),
+        ("uvs", if is_projected { &place.uvs } else { &streams.uvs }),
         ("levels", &streams.levels),
         ("texels", &streams.texels),
-        ("mapped", &work.mapped[slot]),
+        ("mapped", if is_projected { &place.seen } else { &work.mapped[slot] }),
     ];
     let shader = match scene.filter {
         Filter::Nearest => &SHADERS.texture_nearest,
@@ -126,12 +137,13 @@ pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: u
 }
 
 fn record_look(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
-    let Frame { tables, streams, work, .. } = frame;
+    let Frame { scene, tables, streams, work, .. } = frame;
     let has_map = |slot: &usize| !work.mapped[*slot].is_empty();
     let params = AppearanceParams {
         count: count as u32,
         maps: (0..MAP_SLOTS).filter(has_map).fold(0, |bits, slot| bits | 1 << slot),
         has_colors: u32::from(tables.colored),
+        is_projected: u32::from(scene.projection != Projection::Uv),
     };
     let bound = [
         ("points", &work.points),

@@ -20,6 +20,7 @@ use crate::{
 
 use super::{
     environment::{self, EnvironmentStreams},
+    projected::ProjectedStreams,
     tables::Tables,
     textures::Textures,
 };
@@ -46,6 +47,7 @@ pub(crate) struct SceneStreams {
     pub(crate) triangles: Stream,
     pub(crate) parts: Stream,
     pub(crate) instance_rows: Stream,
+    pub(crate) boxes: Stream,
     pub(crate) materials: Stream,
     pub(crate) texture_uses: Stream,
     pub(crate) lights: Stream,
@@ -97,6 +99,7 @@ impl SceneStreams {
             triangles: triangles(device, scene, tables)?,
             parts: Stream::from_slice(device, "parts", &tables.parts)?,
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
+            boxes: Stream::from_slice(device, "boxes", &tables.boxes)?,
             materials: Stream::from_slice(device, "materials", &tables.materials)?,
             texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
             lights: Stream::from_slice(device, "lights", &tables.lights)?,
@@ -216,6 +219,7 @@ pub(crate) struct WorkStreams {
     pub(crate) points: Stream,
     /// What the maps of each kind show of each fragment; empty where no material has any.
     pub(crate) mapped: [Stream; MAP_SLOTS],
+    pub(crate) projected: ProjectedStreams,
     pub(crate) appearances: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
     pub(crate) shadows: Stream,
@@ -301,6 +305,7 @@ impl WorkStreams {
             fragments: new("fragments", size_of::<Fragment>(), fragments)?,
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
             mapped: mapped(device, scene, fragments)?,
+            projected: ProjectedStreams::new(device, scene, fragments)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
             shadows: new(
                 "shadows",

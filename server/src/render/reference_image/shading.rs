@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::raster::{MAP_BASE_COLOR, MAP_SLOTS, Material, PART_MIRRORED},
+    layout::raster::{MAP_BASE_COLOR, MAP_NORMAL, MAP_SLOTS, Material, PART_MIRRORED},
     reference::{
         appearance::{Appearance, Under, appearance},
         mip::Level,
+        projection,
         surface::{Barycentrics, barycentrics},
         surroundings::Change,
         texture,
@@ -15,7 +16,7 @@ use displace_glsl::{
 };
 use glam::{DVec2, DVec3, DVec4};
 
-use super::place::Place;
+use super::{place::Place, projected};
 use crate::{
     domain::image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
     render::image::{coverage, tables::wrap_numbers},
@@ -40,11 +41,13 @@ pub(super) struct Shader {
     /// Mip levels of each material's maps.
     maps: Vec<[Option<Arc<Vec<Level>>>; MAP_SLOTS]>,
     filter: texture::Filter,
+    /// Of places onto maps, where these are not read at texture coordinates.
+    projection: Option<projection::Kind>,
 }
 
 impl Shader {
     pub(super) fn new(scene: &RenderScene) -> Self {
-        Self { maps: map_levels(scene), filter: twin(scene.filter) }
+        Self { maps: map_levels(scene), filter: twin(scene.filter), projection: scene.projection.kind() }
     }
 
     pub(super) fn hit(&self, place: &Place<'_>, source: &RenderMaterial, factors: &Material, at_px: [f64; 2]) -> Hit {
@@ -54,7 +57,9 @@ impl Shader {
         }));
         let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
         let normal = flip * place.normal(b.at);
-        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at) };
+        let mapped = self.mapped(place, source, &b);
+        let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
+        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
         let normal_change = |weights: DVec3| flip * place.normal_change(b.at, weights);
         let position_change = |weights: DVec3| place.position_change(weights);
         let corner = |weights: DVec3| (place.position(weights), flip * place.normal(weights));
@@ -62,7 +67,7 @@ impl Shader {
         Hit {
             position: place.position(b.at),
             uv: place.uv(base_channel, b.at),
-            look: appearance(factors, &under, &self.mapped(place, source, &b)),
+            look: appearance(factors, &under, &mapped),
             normal,
             facing: flip * place.front(),
             change: Change { normal: [b.dx, b.dy].map(normal_change), position: [b.dx, b.dy].map(position_change) },
@@ -75,6 +80,9 @@ impl Shader {
     pub(super) fn alpha(&self, place: &Place<'_>, source: &RenderMaterial, weights: DVec3) -> f64 {
         let alpha = f64::from(source.base_color_factor[3]) * place.color(weights).w;
         match (&source.maps[MAP_BASE_COLOR], &self.maps[place.part.material as usize][MAP_BASE_COLOR]) {
+            (Some(map), Some(levels)) if let Some(kind) = self.projection => {
+                alpha * projected::alpha(kind, projected::at(place, &still(weights)), map, &levels[0])
+            }
             (Some(map), Some(levels)) => {
                 let at = on_map(map, place.uv(map.uv_channel, weights), 1.0);
                 alpha * texture::bilinear(&levels[0], at, wrap_numbers(map.wrap))[3]
@@ -86,8 +94,12 @@ impl Shader {
     /// What each map shows; white where there is none.
     fn mapped(&self, place: &Place<'_>, source: &RenderMaterial, b: &Barycentrics) -> [DVec4; MAP_SLOTS] {
         let levels = &self.maps[place.part.material as usize];
+        let at = self.projection.map(|kind| (kind, projected::at(place, b)));
         std::array::from_fn(|slot| match (&source.maps[slot], &levels[slot]) {
-            (Some(map), Some(levels)) => filtered(self.filter, place, map, levels, b),
+            (Some(map), Some(levels)) => match at {
+                Some((kind, at)) => projected::filtered(self.filter, kind, at, slot, map, levels),
+                None => filtered(self.filter, place, map, levels, b),
+            },
             _ => DVec4::ONE,
         })
     }
@@ -97,6 +109,11 @@ fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels:
     let uv = |weights: DVec3, one: f64| on_map(map, place.uv(map.uv_channel, weights), one);
     let (at, dx, dy) = (uv(b.at, 1.0), uv(b.dx, 0.0), uv(b.dy, 0.0));
     DVec4::from_array(texture::filtered(filter, levels, at, dx, dy, wrap_numbers(map.wrap)))
+}
+
+/// A place without change.
+fn still(at: DVec3) -> Barycentrics {
+    Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
 }
 
 fn twin(filter: Filter) -> texture::Filter {
@@ -110,7 +127,7 @@ fn twin(filter: Filter) -> texture::Filter {
 }
 
 /// Where a UV lies on the map; `one` is 0 for differences.
-fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
+pub(super) fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
     map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
 }
 
