@@ -271,6 +271,8 @@ pub(crate) fn aov(aov: AovArg) -> v1::Aov {
         AovArg::Position => v1::Aov::Position,
         AovArg::Uv => v1::Aov::Uv,
         AovArg::Triangle => v1::Aov::Triangle,
+        AovArg::Overdraw => v1::Aov::Overdraw,
+        AovArg::Samples => v1::Aov::Samples,
     }
 }
 

@@ -5,6 +5,7 @@ mod alpha;
 mod filters;
 mod light;
 mod looks;
+mod mapping;
 mod passes;
 pub(crate) mod projection;
 pub(crate) mod scenes;

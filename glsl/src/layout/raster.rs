@@ -295,3 +295,4 @@ pub const OUTPUT_NORMAL: u32 = 2;
 pub const OUTPUT_POSITION: u32 = 4;
 pub const OUTPUT_UV: u32 = 8;
 pub const OUTPUT_TRIANGLE: u32 = 16;
+pub const OUTPUT_SAMPLES: u32 = 32;

@@ -183,6 +183,10 @@ pub struct ImageSet {
     pub uv: Option<Vec<[f32; 2]>>,
     /// Triangle number over all instances in order; `u32::MAX` where nothing is.
     pub triangle: Option<Vec<u32>>,
+    /// How often samples of the pixel were covered, before depth and alpha decided.
+    pub overdraw: Option<Vec<u32>>,
+    /// Triangles that the pixel's samples show, each counted once.
+    pub samples: Option<Vec<u32>>,
     /// Of the camera, column-major.
     pub clip_from_world: Option<[f32; 16]>,
     /// In some places more blended surfaces lie one behind the other than are shown.

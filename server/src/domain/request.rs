@@ -95,6 +95,8 @@ pub struct RenderRequest {
     pub look: Look,
     pub aovs: Vec<Aov>,
     pub format: ImageFormat,
+    /// A pixel of which a picture is made on the map that it shows.
+    pub preimage: Option<[u32; 2]>,
     /// Rays a pixel; none where the renderer's own samples of visibility do.
     pub samples: Option<u32>,
 }
@@ -289,6 +291,18 @@ pub enum Aov {
     Position,
     Uv,
     Triangle,
+    /// How often samples of a pixel are covered.
+    Overdraw,
+    /// Triangles that a pixel's samples show.
+    Samples,
+}
+
+impl Aov {
+    /// Whether it tells of the rasteriser rather than of the scene, so that rays have no answer.
+    #[must_use]
+    pub fn is_of_rasteriser(self) -> bool {
+        matches!(self, Self::Overdraw | Self::Samples)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]

@@ -142,7 +142,7 @@ impl Aov {
     /// Per pixel.
     fn bytes(self) -> u64 {
         match self {
-            Self::Depth | Self::Triangle => 4,
+            Self::Depth | Self::Triangle | Self::Overdraw | Self::Samples => 4,
             Self::Uv => 8,
             Self::Normal | Self::Position => 12,
         }

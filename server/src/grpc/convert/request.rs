@@ -114,10 +114,21 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     };
     let samples = view::samples(&join(path, "samples"), request.samples)?;
     let View { camera, width, height } = view;
-    let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, samples };
+    let preimage = preimage(&join(path, "preimage"), request.preimage, [width, height])?;
+    let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, preimage, samples };
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
+}
+
+fn preimage(field: &str, pixel: Option<v1::Pixel>, size: [u32; 2]) -> Result<Option<[u32; 2]>> {
+    let Some(v1::Pixel { x, y }) = pixel else { return Ok(None) };
+    if x < size[0] && y < size[1] {
+        return Ok(Some([x, y]));
+    }
+    let [width, height] = size;
+    let message = format!("{x},{y} is out of range; allowed are 0,0 to {},{}", width - 1, height - 1);
+    Err(Error::invalid(field, message))
 }
 
 /// Share of the diagonal.
@@ -204,6 +215,8 @@ fn aovs(path: &str, aovs: &[i32]) -> Result<Vec<Aov>> {
             v1::Aov::Position => Aov::Position,
             v1::Aov::Uv => Aov::Uv,
             v1::Aov::Triangle => Aov::Triangle,
+            v1::Aov::Overdraw => Aov::Overdraw,
+            v1::Aov::Samples => Aov::Samples,
         };
         if seen.insert(aov) { Ok(aov) } else { Err(Error::invalid(field, format!("{aov:?} is named twice"))) }
     };

@@ -5,8 +5,8 @@ use displace_glsl::{
     SHADERS,
     layout::raster::{
         AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
-        MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
-        ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
+        MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_SAMPLES,
+        OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -219,6 +219,7 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         ("position_out", &outputs.position),
         ("uv_out", &outputs.uv),
         ("triangle_out", &outputs.triangle),
+        ("samples_out", &outputs.samples),
         ("backdrop", &work.backdrop),
         ("layered", &work.layers.layered),
         ("transmittance", &work.layers.transmittance),
@@ -233,6 +234,9 @@ fn output_bit(aov: Aov) -> u32 {
         Aov::Position => OUTPUT_POSITION,
         Aov::Uv => OUTPUT_UV,
         Aov::Triangle => OUTPUT_TRIANGLE,
+        Aov::Samples => OUTPUT_SAMPLES,
+        // Counted before anything is resolved.
+        Aov::Overdraw => 0,
     }
 }
 
@@ -268,7 +272,9 @@ pub(crate) fn copy_out(work: &WorkStreams, slab: Slab, side: u32, images: &mut I
     copy_some(&outputs.normal, slab, side, width, &mut images.normal)?;
     copy_some(&outputs.position, slab, side, width, &mut images.position)?;
     copy_some(&outputs.uv, slab, side, width, &mut images.uv)?;
-    copy_some(&outputs.triangle, slab, side, width, &mut images.triangle)
+    copy_some(&outputs.triangle, slab, side, width, &mut images.triangle)?;
+    copy_some(&outputs.overdraw, slab, side, width, &mut images.overdraw)?;
+    copy_some(&outputs.samples, slab, side, width, &mut images.samples)
 }
 
 fn copy_some<T: Pod>(stream: &Stream, slab: Slab, side: u32, width: usize, image: &mut Option<Vec<T>>) -> Result<()> {

@@ -271,6 +271,8 @@ pub(crate) struct Outputs {
     pub(crate) position: Stream,
     pub(crate) uv: Stream,
     pub(crate) triangle: Stream,
+    pub(crate) overdraw: Stream,
+    pub(crate) samples: Stream,
 }
 
 impl WorkStreams {
@@ -346,6 +348,8 @@ impl Outputs {
             position: stream("position", 12, Aov::Position)?,
             uv: stream("uv", 8, Aov::Uv)?,
             triangle: stream("triangle", 4, Aov::Triangle)?,
+            overdraw: stream("overdraw", 4, Aov::Overdraw)?,
+            samples: stream("samples", 4, Aov::Samples)?,
         })
     }
 }
