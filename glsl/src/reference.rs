@@ -36,6 +36,7 @@ pub mod moments;
 pub mod normals_analytic;
 pub mod normals_geometric;
 pub mod place;
+pub mod projection;
 pub mod raster;
 pub mod reconcile_corners;
 pub mod reconcile_edges;

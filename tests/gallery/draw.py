@@ -7,6 +7,7 @@ scenes made here. What to look for stands in README.md beside this file. Needs P
 import json
 import math
 import shlex
+import shutil
 import struct
 import subprocess
 import sys
@@ -18,6 +19,8 @@ HERE = Path(__file__).parent
 DATA = HERE.parent / "data"
 SIZE = "--size 320x240"
 FLOOR = f"floor.glb {SIZE} --eye 0,0.5,4 --look-at 0,0,-2 --fov 50 --light 0,1,0 --ambient 0"
+GLOBE = f"bare.glb {SIZE} --base-color letters.png --light 1,1,1 --filter ewa"
+KNOT = f"knot.glb {SIZE} --base-color letters.png --orbit 20,25 --light 1,1,1 --filter ewa"
 BALL = f"ball.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1"
 WAVES = "waves.glb --size 144x108 --fov 45 --look-at 0,0,0 --light 0,1,-1 --ambient 0.2 --shading pbr"
 MOMENTS = {
@@ -76,6 +79,28 @@ PICTURES = {
     # Normal maps from afar.
     **MOMENTS,
     "texture-transform": f"render TextureTransformTest/TextureTransformTest.gltf {SIZE} --shading pbr --ambient 1 --light 0,0,1",
+    # Row 2 with E2; projections.
+    "texture/sphere-right": f"render {GLOBE} --orbit 30,15,3.2 --projection sphere",
+    "texture/sphere-as-printed": f"render {GLOBE} --orbit 30,15,3.2 --projection sphere-as-printed",
+    "texture/sphere-seam": f"render {GLOBE} --orbit 90,15,3.2 --projection sphere",
+    "texture/sphere-pole": f"render {GLOBE} --orbit 30,75,3.2 --projection sphere",
+    "texture/planar": f"render {KNOT} --projection planar",
+    "texture/box": f"render {KNOT} --projection box",
+    "texture/triplanar": f"render {KNOT} --projection triplanar",
+    "texture/displaced": f"render bare.glb {SIZE} --expr '0.05*sin(12*x)*sin(12*y)*sin(12*z)' --uniform 3 --base-color letters.png --projection triplanar --orbit 30,15,3.2 --light 1,1,1 --filter ewa",
+    # Row 5.
+    "texture/preimage-near": f"render {FLOOR} --preimage 160,200",
+    "texture/preimage-far": f"render {FLOOR} --preimage 160,112",
+    # What the rasteriser does.
+    "texture/overdraw": f"render {KNOT} --aov overdraw",
+    "texture/samples": f"render knot.glb {SIZE} --orbit 20,25,14 --aov samples",
+}
+# Pictures that are outputs beside the image: their names.
+BESIDE = {
+    "texture/preimage-near": "preimage",
+    "texture/preimage-far": "preimage",
+    "texture/overdraw": "overdraw",
+    "texture/samples": "samples",
 }
 
 
@@ -88,9 +113,11 @@ def png(width: int, height: int, pixel) -> bytes:
 
 
 def glb(file: Path, mesh, material: dict, images: list[bytes]) -> None:
-    """A mesh of (positions, normals, uvs, triangles) with one material, whose textures are numbered as `images`."""
+    """A mesh of (positions, normals, uvs, triangles) with one material, whose textures are numbered as `images`.
+
+    Without uvs it has no texture coordinates."""
     positions, normals, uvs, triangles = mesh
-    parts = [b"".join(struct.pack("<%df" % len(v), *v) for v in values) for values in (positions, normals, uvs)]
+    parts = [b"".join(struct.pack("<%df" % len(v), *v) for v in values) for values in (positions, normals, uvs or [(0, 0)])]
     parts += [b"".join(struct.pack("<3I", *t) for t in triangles), *images]
     views, blob = [], b""
     for part in parts:
@@ -105,6 +132,9 @@ def glb(file: Path, mesh, material: dict, images: list[bytes]) -> None:
         {"bufferView": 3, "componentType": 5125, "count": corners, "type": "SCALAR"},
     ]
     primitive = {"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3, "material": 0}
+    if not uvs:
+        del accessors[2], primitive["attributes"]["TEXCOORD_0"]
+        primitive["indices"] = 2
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [primitive]}], "materials": [material], "accessors": accessors, "bufferViews": views,
@@ -135,6 +165,35 @@ def on_ball(u: float, v: float):
     turn, down = 2 * math.pi * u, math.pi * v
     n = (-math.cos(turn) * math.sin(down), math.cos(down), math.sin(turn) * math.sin(down))
     return n, n
+
+
+def on_knot(u: float, v: float):
+    """A tube of radius 0.35 around a trefoil."""
+    curve = lambda t: [math.sin(t) + 2 * math.sin(2 * t), -math.sin(3 * t), math.cos(t) - 2 * math.cos(2 * t)]  # noqa: E731
+    dot = lambda a, b: sum(x * y for x, y in zip(a, b))  # noqa: E731
+    unit = lambda a: [x / math.sqrt(dot(a, a)) for x in a]  # noqa: E731
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]  # noqa: E731
+    t, h = 2 * math.pi * u, 1e-3
+    before, at, after = curve(t - h), curve(t), curve(t + h)
+    along = unit([b - a for a, b in zip(before, after)])
+    bend = [a - 2 * m + b for a, m, b in zip(before, at, after)]
+    inwards = unit([b - dot(bend, along) * a for a, b in zip(along, bend)])
+    across = cross(along, inwards)
+    c, s = math.cos(2 * math.pi * v), math.sin(2 * math.pi * v)
+    n = tuple(c * i - s * a for i, a in zip(inwards, across))
+    return tuple(p + 0.35 * k for p, k in zip(at, n)), n
+
+
+def letters(x: int, y: int):
+    """Columns of hue, rows of brightness, an F in each of 8 by 4 cells, and a red line around the map."""
+    cell_x, cell_y = x % 64, y % 64
+    is_letter = 16 <= cell_x < 26 and 10 <= cell_y < 54 or 26 <= cell_x < 48 and (10 <= cell_y < 20 or 27 <= cell_y < 36)
+    hue = 2 * math.pi * (x // 64) / 8
+    light = 0.75 - 0.12 * (y // 64)
+    rgb = [255 * light * (0.72 + 0.28 * math.cos(hue - 2.1 * k)) for k in range(3)]
+    if min(x, y, 511 - x, 255 - y) < 3:
+        rgb = [200, 20, 20]
+    return *(round(c * (0.25 if is_letter else 1)) for c in rgb), 255
 
 
 def bump(x: int, y: int):
@@ -243,6 +302,10 @@ def scenes(folder: Path) -> None:
     leaves = {"pbrMetallicRoughness": colored, "alphaMode": "BLEND", "doubleSided": True}
     glb(folder / "leaves.glb", stacked, leaves, [png(128, 128, leaf)])
     sky(folder / "sky.hdr")
+    (folder / "letters.png").write_bytes(png(512, 256, letters))
+    white = {"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.9}}
+    for name, mesh in (("bare", grid(64, 32, on_ball)), ("knot", grid(240, 32, on_knot))):
+        glb(folder / f"{name}.glb", (mesh[0], mesh[1], None, mesh[3]), white, [])
     for name in ("models", "maps"):
         for path in (DATA / name).iterdir():
             target = folder / (path.name if name == "models" else "maps")
@@ -255,8 +318,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         scenes(Path(folder))
         for name in names:
-            out = HERE / (f"{name}.png" if "/" in name else f"shading/{name}.png")
-            subprocess.run([displace, *shlex.split(PICTURES[name]), "--quiet", "-o", out], cwd=folder, check=True)
+            out = HERE / f"{name if '/' in name else 'shading/' + name}.png"
+            out.parent.mkdir(exist_ok=True)
+            made = Path(folder) / "beside.png" if name in BESIDE else out
+            subprocess.run([displace, *shlex.split(PICTURES[name]), "--quiet", "-o", made], cwd=folder, check=True)
+            if name in BESIDE:
+                shutil.copy(made.with_suffix(f".{BESIDE[name]}.png"), out)
             print(out)
     return 0
 

@@ -7,7 +7,9 @@ mod filters;
 mod light;
 mod looks;
 mod moments;
+mod mapping;
 mod passes;
+pub(crate) mod projection;
 pub(crate) mod scenes;
 
 use std::{collections::HashSet, sync::OnceLock};

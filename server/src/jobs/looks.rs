@@ -16,6 +16,7 @@ use crate::domain::{
         AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
     },
     maps::{self, Encoding, SlopeMaps},
+    projection::Projection,
     report::Warning,
     request::Look,
     scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
@@ -63,15 +64,25 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
     .filter_map(|(slot, texture, encoding)| texture.as_ref().map(|texture| (slot, texture, encoding)))
 }
 
-/// The scene's materials, then one for primitives without. With `moments`, slopes and their products take the place of
-/// normals.
+/// How materials are shown.
+#[derive(Clone, Copy)]
+pub(super) struct Shown {
+    pub(super) alpha: AlphaMode,
+    pub(super) projection: Projection,
+    /// Slopes and their products take the place of normals.
+    pub(super) moments: bool,
+}
+
+/// The scene's materials, then one for primitives without.
 pub(super) fn materials(
     scene: &mut Scene,
     sets: &UvSets,
     bumps: &Bumps,
-    alpha: AlphaMode,
-    moments: bool,
+    shown: Shown,
 ) -> Result<Vec<RenderMaterial>> {
+    let Shown { alpha, projection, moments } = shown;
+    // Around a sphere a map goes on at its seam, and ends at the poles.
+    let wrap = projection.is_sphere().then_some([Wrap::Repeat, Wrap::Clamp]);
     let mut images = Images { decoded: HashMap::new(), slopes: HashMap::new(), texels: 0 };
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&Material::default()]) {
@@ -79,9 +90,10 @@ pub(super) fn materials(
         for (slot, texture, encoding) in textures(material) {
             maps[slot] = images.read(scene, texture.image, encoding)?.map(|map| RenderMap {
                 map,
-                uv_channel: sets.channel(texture.uv_set),
+                // A projection is all the coordinates there are.
+                uv_channel: if projection == Projection::Uv { sets.channel(texture.uv_set) } else { 0 },
                 map_from_uv: texture.map_from_uv,
-                wrap: texture.wrap,
+                wrap: wrap.unwrap_or(texture.wrap),
             });
         }
         if moments && let (Some(texture), Some(normals)) = (&material.normal, maps[MAP_NORMAL].clone()) {

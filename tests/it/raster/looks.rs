@@ -34,7 +34,7 @@ fn used(map: Arc<ColorMap>) -> Option<RenderMap> {
 }
 
 /// Every kind of map.
-fn rich() -> RenderMaterial {
+pub(crate) fn rich() -> RenderMaterial {
     let mut material = RenderMaterial {
         base_color_factor: [0.9, 0.8, 0.7, 1.0],
         metallic_factor: 0.8,

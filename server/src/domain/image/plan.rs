@@ -32,7 +32,7 @@ pub struct ImageContents {
     /// Of all instances, each counted as often as it is used.
     pub instance_vertices: u64,
     pub instance_triangles: u64,
-    /// Texels of the distinct base colour maps.
+    /// Texels of the distinct maps of all kinds.
     pub texels: u64,
     pub has_colors: bool,
     /// Of each vertex.
@@ -40,6 +40,8 @@ pub struct ImageContents {
     pub has_tangents: bool,
     /// Some material is blended.
     pub has_layers: bool,
+    /// Places are projected onto maps.
+    pub is_projected: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
@@ -131,6 +133,8 @@ impl ImageContents {
             + 16 * u64::from(self.map_slots)
             + if self.has_formulas { 8 } else { 0 }
             + 4 * u64::from(self.shadow_lights)
+            // A point to read maps at, its frame, and what one projection shows.
+            + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
             + if self.environment.is_some() { 36 } else { 0 }
             + if self.has_moments { 24 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
@@ -144,7 +148,7 @@ impl Aov {
     /// Per pixel.
     fn bytes(self) -> u64 {
         match self {
-            Self::Depth | Self::Triangle => 4,
+            Self::Depth | Self::Triangle | Self::Overdraw | Self::Samples => 4,
             Self::Uv => 8,
             Self::Normal | Self::Position => 12,
         }

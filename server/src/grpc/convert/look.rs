@@ -6,7 +6,8 @@ use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
     image::{AlphaMode, Filter, LightShape, RenderLight, Shading},
-    request::{Look, Shadows},
+    projection::Projection,
+    request::{Look, LookMaps, Shadows},
 };
 
 /// Where no environment lights the scene.
@@ -60,6 +61,30 @@ fn moments(path: &str, moments: i32, shading: Shading) -> Result<bool> {
         return Err(Error::unsupported(path, message));
     }
     Ok(is_on)
+}
+
+/// What the maps of materials are, and where they are read.
+pub(super) fn maps(path: &str, look: Option<v1::Look>) -> Result<LookMaps> {
+    let look = look.unwrap_or_default();
+    let map =
+        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
+    Ok(LookMaps {
+        base_color: map("base_color", look.base_color)?,
+        metallic_roughness: map("metallic_roughness", look.metallic_roughness)?,
+        occlusion: map("occlusion", look.occlusion)?,
+        emissive: map("emissive", look.emissive)?,
+        opacity: map("opacity", look.opacity)?,
+        projection: match known::<v1::Projection>(&join(path, "projection"), look.projection)? {
+            v1::Projection::Unspecified | v1::Projection::Uv => Projection::Uv,
+            v1::Projection::Sphere => Projection::Sphere,
+            v1::Projection::SphereAsPrinted => Projection::SphereAsPrinted,
+            v1::Projection::PlanarX => Projection::PlanarX,
+            v1::Projection::PlanarY => Projection::PlanarY,
+            v1::Projection::PlanarZ => Projection::PlanarZ,
+            v1::Projection::Box => Projection::Box,
+            v1::Projection::Triplanar => Projection::Triplanar,
+        },
+    })
 }
 
 fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {

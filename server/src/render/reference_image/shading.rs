@@ -8,6 +8,7 @@ use displace_glsl::{
         appearance::{Appearance, Under, appearance},
         mip::Level,
         moments::{self, Spread},
+        projection,
         surface::{Barycentrics, barycentrics},
         surroundings::Change,
         texture,
@@ -19,6 +20,7 @@ use glam::{DVec2, DVec3, DVec4};
 use super::{
     bump::{Unbent, bent},
     place::Place,
+    projected,
 };
 use crate::{
     domain::image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
@@ -48,11 +50,18 @@ pub(super) struct Shader {
     filter: texture::Filter,
     /// Some material's slopes have them.
     moments: bool,
+    /// Of places onto maps, where these are not read at texture coordinates.
+    projection: Option<projection::Kind>,
 }
 
 impl Shader {
     pub(super) fn new(scene: &RenderScene) -> Self {
-        Self { maps: map_levels(scene), filter: twin(scene.filter), moments: scene.has_map(MAP_NORMAL_MOMENTS) }
+        Self {
+            maps: map_levels(scene),
+            filter: twin(scene.filter),
+            moments: scene.has_map(MAP_NORMAL_MOMENTS),
+            projection: scene.projection.kind(),
+        }
     }
 
     pub(super) fn hit(
@@ -69,8 +78,9 @@ impl Shader {
         }));
         let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
         let normal = flip * place.normal(b.at);
-        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at) };
         let mapped = self.mapped(place, source, &b);
+        let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
+        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
@@ -95,6 +105,9 @@ impl Shader {
     pub(super) fn alpha(&self, place: &Place<'_>, source: &RenderMaterial, weights: DVec3) -> f64 {
         let alpha = f64::from(source.base_color_factor[3]) * place.color(weights).w;
         match (&source.maps[MAP_BASE_COLOR], &self.maps[place.part.material as usize][MAP_BASE_COLOR]) {
+            (Some(map), Some(levels)) if let Some(kind) = self.projection => {
+                alpha * projected::alpha(kind, projected::at(place, &still(weights)), map, &levels[0])
+            }
             (Some(map), Some(levels)) => {
                 let at = on_map(map, place.uv(map.uv_channel, weights), 1.0);
                 alpha * texture::bilinear(&levels[0], at, wrap_numbers(map.wrap))[3]
@@ -125,8 +138,12 @@ impl Shader {
     /// What each map shows; white where there is none.
     fn mapped(&self, place: &Place<'_>, source: &RenderMaterial, b: &Barycentrics) -> [DVec4; MAP_SLOTS] {
         let levels = &self.maps[place.part.material as usize];
+        let at = self.projection.map(|kind| (kind, projected::at(place, b)));
         std::array::from_fn(|slot| match (&source.maps[slot], &levels[slot]) {
-            (Some(map), Some(levels)) => filtered(self.filter, place, map, levels, b),
+            (Some(map), Some(levels)) => match at {
+                Some((kind, at)) => projected::filtered(self.filter, kind, at, slot, map, levels),
+                None => filtered(self.filter, place, map, levels, b),
+            },
             _ => DVec4::ONE,
         })
     }
@@ -144,6 +161,11 @@ fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels:
     DVec4::from_array(texture::filtered(filter, levels, at, dx, dy, wrap_numbers(map.wrap)))
 }
 
+/// A place without change.
+fn still(at: DVec3) -> Barycentrics {
+    Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
+}
+
 fn twin(filter: Filter) -> texture::Filter {
     match filter {
         Filter::Nearest => texture::Filter::Nearest,
@@ -155,7 +177,7 @@ fn twin(filter: Filter) -> texture::Filter {
 }
 
 /// Where a UV lies on the map; `one` is 0 for differences.
-fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
+pub(super) fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
     map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
 }
 
