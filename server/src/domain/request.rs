@@ -191,6 +191,11 @@ pub enum SourceRequest {
 }
 
 impl SourceRequest {
+    #[must_use]
+    pub fn is_normal(&self) -> bool {
+        matches!(self, Self::Normal { .. })
+    }
+
     fn assets(&self) -> Vec<Digest> {
         match self {
             Self::Height { map, .. } | Self::Vector { map, .. } | Self::Normal { map, .. } => vec![map.asset],

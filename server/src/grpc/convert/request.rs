@@ -14,8 +14,8 @@ use crate::{
         Digest, Error, Result, lods,
         projection::Projection,
         request::{
-            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, MeasureRequest,
-            Method, Normals, RenderRequest,
+            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, Look,
+            MeasureRequest, Method, Normals, RenderRequest,
         },
     },
 };
@@ -107,6 +107,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = look::parse(&join(path, "lighting"), request.lighting)?;
+    refuse_under_projection(path, &surface, &look)?;
     let aovs = aovs(&join(path, "aovs"), &request.aovs)?;
     let format = match known::<v1::ImageFormat>(&join(path, "format"), request.format)? {
         v1::ImageFormat::Unspecified | v1::ImageFormat::Png => ImageFormat::Png,
@@ -119,6 +120,24 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
+}
+
+/// What is tied to texture coordinates goes with no other projection.
+fn refuse_under_projection(path: &str, surface: &DisplaceRequest, look: &Look) -> Result<()> {
+    if surface.maps.projection == Projection::Uv {
+        return Ok(());
+    }
+    let field = join(path, "surface.look.projection");
+    let normals = surface.details.iter().flat_map(|detail| &detail.layers).any(|layer| layer.source.is_normal());
+    if normals || matches!(surface.method, Method::Bump | Method::Normal) {
+        let message = "is not uv, and details bend normals where texture coordinates say: take --projection uv, or --method displacement";
+        return Err(Error::unsupported(field, message));
+    }
+    if look.moments {
+        let message = "is not uv, and moments are of normal maps read at texture coordinates: take --projection uv, or --moments off";
+        return Err(Error::unsupported(field, message));
+    }
+    Ok(())
 }
 
 fn preimage(field: &str, pixel: Option<v1::Pixel>, size: [u32; 2]) -> Result<Option<[u32; 2]>> {
