@@ -3,7 +3,9 @@
 // PEELED defined it goes there only from between the layer before and what is solid; with COUNTED defined it is counted
 // for its pixel, whatever is before it.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#ifndef WORDS
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -18,6 +20,7 @@ layout(push_constant, scalar) uniform RasterParams {
     uint part_last;
     ivec2 slab_px;
     ivec2 slab_size_px;
+    uint stage; // of keys that are written by halves
 } params;
 
 #ifdef COUNTED
@@ -28,7 +31,6 @@ void cover_sample(uint id, ivec2 pixel, int s, float depth) {
     atomicAdd(ELEMENT(overdraw, uint(place.y * params.slab_size_px.x + place.x)), 1u);
 }
 #else
-PAGED(0, , uint64_t, visibility);
 #include "visibility.glsl"
 #endif
 

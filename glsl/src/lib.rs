@@ -20,6 +20,17 @@ pub struct ComputeShader {
     pub bindings: &'static [Binding],
 }
 
+impl ComputeShader {
+    /// Whether it declares the capability `Int64Atomics` (SPIR-V 2.3: capabilities come first, after a header of 5 words).
+    #[must_use]
+    pub fn needs_int64_atomics(&self) -> bool {
+        const CAPABILITY: u32 = 2 << 16 | 17;
+        const INT64_ATOMICS: u32 = 12;
+        let capabilities = self.words.get(5..).unwrap_or_default().chunks_exact(2);
+        capabilities.take_while(|words| words[0] == CAPABILITY).any(|words| words[1] == INT64_ATOMICS)
+    }
+}
+
 /// A storage buffer binding of set 0, or an array of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {

@@ -20,7 +20,8 @@ DATA = HERE.parent / "data"
 SIZE = "--size 320x240"
 FLOOR = f"floor.glb {SIZE} --eye 0,0.5,4 --look-at 0,0,-2 --fov 50 --light 0,1,0 --ambient 0"
 GLOBE = f"bare.glb {SIZE} --base-color letters.png --light 1,1,1 --filter ewa"
-KNOT = f"knot.glb {SIZE} --base-color letters.png --orbit 20,25 --light 1,1,1 --filter ewa"
+SEEN = f"knot.glb {SIZE} --orbit 20,40,10 --light 1,1,1"
+KNOT = f"{SEEN} --base-color letters.png --filter ewa"
 BALL = f"ball.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1"
 WAVES = "waves.glb --size 144x108 --fov 45 --look-at 0,0,0 --light 0,1,-1 --ambient 0.2 --shading pbr"
 MOMENTS = {
@@ -87,13 +88,13 @@ PICTURES = {
     "texture/planar": f"render {KNOT} --projection planar",
     "texture/box": f"render {KNOT} --projection box",
     "texture/triplanar": f"render {KNOT} --projection triplanar",
-    "texture/displaced": f"render bare.glb {SIZE} --expr '0.05*sin(12*x)*sin(12*y)*sin(12*z)' --uniform 3 --base-color letters.png --projection triplanar --orbit 30,15,3.2 --light 1,1,1 --filter ewa",
+    "texture/displaced": f"render bare.glb --size 288x216 --expr '0.06*sin(8*x)*sin(8*y)*sin(8*z)' --uniform 3 --base-color letters.png --projection triplanar --orbit 30,15,3.2 --light 1,1,1 --filter ewa",
     # Row 5.
     "texture/preimage-near": f"render {FLOOR} --preimage 160,200",
     "texture/preimage-far": f"render {FLOOR} --preimage 160,112",
     # What the rasteriser does.
-    "texture/overdraw": f"render {KNOT} --aov overdraw",
-    "texture/samples": f"render knot.glb {SIZE} --orbit 20,25,14 --aov samples",
+    "texture/overdraw": f"render {SEEN} --aov overdraw",
+    "texture/samples": f"render {SEEN} --aov samples",
 }
 # Pictures that are outputs beside the image: their names.
 BESIDE = {
@@ -168,7 +169,7 @@ def on_ball(u: float, v: float):
 
 
 def on_knot(u: float, v: float):
-    """A tube of radius 0.35 around a trefoil."""
+    """A tube of radius 0.5 around a trefoil."""
     curve = lambda t: [math.sin(t) + 2 * math.sin(2 * t), -math.sin(3 * t), math.cos(t) - 2 * math.cos(2 * t)]  # noqa: E731
     dot = lambda a, b: sum(x * y for x, y in zip(a, b))  # noqa: E731
     unit = lambda a: [x / math.sqrt(dot(a, a)) for x in a]  # noqa: E731
@@ -179,9 +180,9 @@ def on_knot(u: float, v: float):
     bend = [a - 2 * m + b for a, m, b in zip(before, at, after)]
     inwards = unit([b - dot(bend, along) * a for a, b in zip(along, bend)])
     across = cross(along, inwards)
-    c, s = math.cos(2 * math.pi * v), math.sin(2 * math.pi * v)
+    c, s = math.cos(2 * math.pi * v), -math.sin(2 * math.pi * v)
     n = tuple(c * i - s * a for i, a in zip(inwards, across))
-    return tuple(p + 0.35 * k for p, k in zip(at, n)), n
+    return tuple(p + 0.5 * k for p, k in zip(at, n)), n
 
 
 def letters(x: int, y: int):

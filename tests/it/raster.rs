@@ -210,11 +210,13 @@ fn pages_staging_and_batches_change_no_byte() {
         Testing { page_shift: Some(14), ..Testing::default() },
         Testing { force_staging: true, ..Testing::default() },
         Testing { batch: Some(1), ..Testing::default() },
+        Testing { no_int64_atomics: true, ..Testing::default() },
     ];
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
     for testing in ways {
         let options = DeviceOptions { validation: true, testing: testing.clone(), ..Default::default() };
         let device = Device::open(&options).expect("opens");
+        assert_eq!(device.has_int64_atomics(), !testing.no_int64_atomics);
         for scene in &scenes {
             let plan = plan(scene, 160, 120);
             let found = image::render(&device, &job, &plan, scene).expect("renders").0;

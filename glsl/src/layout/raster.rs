@@ -120,6 +120,7 @@ mirrors! {
         pub part_last: u32,
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
+        pub stage: u32,
     }
 
     pub struct ClipParams {
@@ -204,6 +205,7 @@ mirrors! {
         pub slab_size_px: [i32; 2],
         pub has_colors: u32,
         pub has_map: u32,
+        pub stage: u32,
     }
 
     pub struct ShadePhongParams {

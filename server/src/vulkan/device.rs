@@ -8,6 +8,7 @@ use super::{
     batch::Batch,
     cache_file,
     error::{Error, Result},
+    features,
     instance::Instance,
     memory::{Buffer, Memory, Place},
     pipeline::Pipelines,
@@ -54,6 +55,8 @@ pub struct Testing {
     pub page_shift: Option<u32>,
     /// Elements a thread handles where the pass allows for several; by the kind of device if not set.
     pub batch: Option<u32>,
+    /// Has no 64-bit atomics, whatever the device can do.
+    pub no_int64_atomics: bool,
 }
 
 /// Fields drop in order: what lies in memory before the memory, everything before the device.
@@ -69,6 +72,7 @@ pub struct Device {
     memory: Arc<Memory>,
     raw: Arc<Raw>,
     page_shift: u32,
+    int64_atomics: bool,
 }
 
 impl fmt::Debug for Device {
@@ -127,12 +131,23 @@ impl Device {
     /// Makes the pipelines of these shaders and has the driver compile them, by running one group that does nothing.
     pub fn warm_up(self: &Arc<Self>, shaders: &[&'static ComputeShader]) -> Result<()> {
         let mut recorder = Recorder::new(self, Box::new(|| false), Box::new(|_, _, _| ()));
-        for shader in shaders {
+        for shader in shaders.iter().filter(|shader| self.uses(shader)) {
             recorder.warm_up(shader, false)?;
         }
         recorder.finish()?;
         self.pipelines.save();
         Ok(())
+    }
+
+    /// Whether its shaders may have 64-bit atomics.
+    #[must_use]
+    pub fn has_int64_atomics(&self) -> bool {
+        self.int64_atomics
+    }
+
+    /// Of the two kinds of shaders that write keys of the visibility buffer, one.
+    fn uses(&self, shader: &ComputeShader) -> bool {
+        if self.int64_atomics { !shader.name.ends_with("_words") } else { !shader.needs_int64_atomics() }
     }
 
     fn try_open(instance: &Arc<Instance>, candidate: &Candidate, options: &DeviceOptions) -> Result<Arc<Self>> {
@@ -149,7 +164,9 @@ impl Device {
     }
 
     fn new(instance: &Arc<Instance>, candidate: &Candidate, options: &DeviceOptions) -> Result<Self> {
-        let raw = Raw::new(instance, candidate)?;
+        let int64_atomics =
+            !options.testing.no_int64_atomics && features::has_int64_atomics(instance, candidate.physical);
+        let raw = Raw::new(instance, candidate, int64_atomics)?;
         let memory = Memory::new(&raw, options.budget_bytes, options.testing.force_staging)?;
         let file = options.cache_dir.as_deref();
         let file = file.map(|folder| cache_file::path(folder, "pipelines", &[candidate.identity.as_bytes()]));
@@ -166,6 +183,7 @@ impl Device {
             memory,
             raw,
             page_shift,
+            int64_atomics,
         };
         device.run_batch(|batch| batch.fill(&device.empty, 0))?;
         Ok(device)

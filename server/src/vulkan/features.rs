@@ -35,13 +35,21 @@ pub(crate) fn missing(instance: &Instance, physical: vk::PhysicalDevice) -> Vec<
         ),
         ("scalarBlockLayout", v12.scalar_block_layout == vk::TRUE),
         ("timelineSemaphore", v12.timeline_semaphore == vk::TRUE),
-        ("shaderBufferInt64Atomics", v12.shader_buffer_int64_atomics == vk::TRUE),
         ("synchronization2", v13.synchronization2 == vk::TRUE),
         ("maintenance4", v13.maintenance4 == vk::TRUE),
         ("128 storage buffers per stage", limits.max_per_stage_descriptor_storage_buffers >= MIN_STORAGE_BUFFERS),
         ("a compute queue with timestamps", queue_family(instance, physical).is_some()),
     ];
     needs.into_iter().filter(|(_, present)| !present).map(|(name, _)| name).collect()
+}
+
+/// Whether its shaders may have 64-bit atomics; without them keys of the visibility buffer are written by halves.
+pub(crate) fn has_int64_atomics(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12);
+    // SAFETY: `physical` belongs to `instance`; the chain holds each struct once.
+    unsafe { instance.handle.get_physical_device_features2(physical, &mut all) };
+    v12.shader_buffer_int64_atomics == vk::TRUE
 }
 
 /// A family that computes and measures time; one without graphics if there is a choice.
@@ -56,11 +64,12 @@ pub(crate) fn queue_family(instance: &Instance, physical: vk::PhysicalDevice) ->
     best.map(|(index, family)| (index as u32, family.timestamp_valid_bits))
 }
 
-/// Creates the logical device with exactly the features above, and robustness2 where there is one.
+/// Creates the logical device with exactly the features above, robustness2 where there is one, and 64-bit atomics if told so.
 pub(crate) fn create_device(
     instance: &Instance,
     physical: vk::PhysicalDevice,
     family: u32,
+    int64_atomics: bool,
 ) -> Result<ash::Device, vk::Result> {
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
@@ -72,7 +81,7 @@ pub(crate) fn create_device(
         .shader_storage_buffer_array_non_uniform_indexing(true)
         .scalar_block_layout(true)
         .timeline_semaphore(true)
-        .shader_buffer_int64_atomics(true);
+        .shader_buffer_int64_atomics(int64_atomics);
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default().synchronization2(true).maintenance4(true);
     let mut robust = vk::PhysicalDeviceRobustness2FeaturesEXT::default().robust_buffer_access2(true);
     let extensions = [robustness2::NAME.as_ptr()];

@@ -33,12 +33,13 @@ pub(crate) struct Raw {
 }
 
 impl Raw {
-    pub(crate) fn new(instance: &Arc<Instance>, candidate: &Candidate) -> Result<Arc<Self>> {
+    pub(crate) fn new(instance: &Arc<Instance>, candidate: &Candidate, int64_atomics: bool) -> Result<Arc<Self>> {
         let physical = candidate.physical;
         let Some((family, timestamp_bits)) = features::queue_family(instance, physical) else {
             return Err(Error::unsupported(format!("{} has no compute queue with timestamps", candidate.info)));
         };
-        let device = features::create_device(instance, physical, family).map_err(failed("creating the device"))?;
+        let device = features::create_device(instance, physical, family, int64_atomics)
+            .map_err(failed("creating the device"))?;
         // SAFETY: one queue of this family was asked for; `physical` belongs to `instance`.
         let (queue, properties) =
             unsafe { (device.get_device_queue(family, 0), instance.handle.get_physical_device_properties(physical)) };

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use displace_glsl::{
-    SHADERS,
+    ComputeShader, SHADERS,
     layout::raster::{
         ClipParams, LARGE, LARGE_MASKED, LISTS, MAP_BASE_COLOR, MAX_PIECES, MEDIUM, MaskedParams, RasterParams, SMALL,
         SMALL_MASKED, SetupParams, TileCountsParams, TilesParams, TransformParams,
@@ -28,6 +28,32 @@ struct Job<'a, 'r> {
     frame: &'a Frame<'a>,
     slab: Slab,
     target: Target<'a>,
+    keys: Keys,
+}
+
+/// How keys are written.
+#[derive(Clone, Copy, PartialEq)]
+enum Keys {
+    Whole,
+    /// By halves, where atomics have 32 bits: depths of all triangles, then ids of those that are as near.
+    Depths,
+    Ids,
+}
+
+impl Keys {
+    /// What a device takes to write them.
+    fn all(run: &Run<'_>) -> &'static [Self] {
+        if run.device.has_int64_atomics() { &[Self::Whole] } else { &[Self::Depths, Self::Ids] }
+    }
+
+    /// As in `visibility.glsl`.
+    fn stage(self) -> u32 {
+        u32::from(self == Self::Ids)
+    }
+
+    fn of(self, whole: &'static ComputeShader, words: &'static ComputeShader) -> &'static ComputeShader {
+        if self == Self::Whole { whole } else { words }
+    }
 }
 
 /// What becomes of covered samples.
@@ -44,13 +70,15 @@ enum Target<'a> {
 /// The nearest triangle of each sample, of all that are not blended.
 pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab: bool) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(&frame.work.visibility, 0)?))?;
-    let mut job = Job { run, frame, slab, target: Target::Solid };
-    for batch in &frame.tables.batches {
-        // A single batch stays on the screen for all slabs.
-        if first_slab || frame.tables.batches.len() > 1 {
-            job.transform(batch)?;
+    for &keys in Keys::all(run) {
+        let mut job = Job { run, frame, slab, target: Target::Solid, keys };
+        for batch in &frame.tables.batches {
+            // A single batch stays on the screen for all slabs.
+            if (first_slab && keys != Keys::Ids) || frame.tables.batches.len() > 1 {
+                job.transform(batch)?;
+            }
+            job.draw_range(batch, &batch.triangles)?;
         }
-        job.draw_range(batch, &batch.triangles)?;
     }
     Ok(())
 }
@@ -58,12 +86,14 @@ pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab:
 /// The nearest blended triangle of each sample that lies behind those of the layer before and before what is solid.
 pub(crate) fn peel<'a>(run: &mut Run<'_>, frame: &'a Frame<'a>, slab: Slab, layer: Layer<'a>) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(layer.keys, 0)?))?;
-    let mut job = Job { run, frame, slab, target: Target::Layer(layer) };
-    for batch in frame.tables.batches.iter().filter(|batch| !batch.blended.is_empty()) {
-        if frame.tables.batches.len() > 1 {
-            job.transform(batch)?;
+    for &keys in Keys::all(run) {
+        let mut job = Job { run, frame, slab, target: Target::Layer(layer), keys };
+        for batch in frame.tables.batches.iter().filter(|batch| !batch.blended.is_empty()) {
+            if frame.tables.batches.len() > 1 {
+                job.transform(batch)?;
+            }
+            job.draw_range(batch, &batch.blended)?;
         }
-        job.draw_range(batch, &batch.blended)?;
     }
     Ok(())
 }
@@ -71,7 +101,7 @@ pub(crate) fn peel<'a>(run: &mut Run<'_>, frame: &'a Frame<'a>, slab: Slab, laye
 /// How often each pixel's samples are covered, whatever is before them. After `fill`.
 pub(crate) fn count(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(&frame.work.outputs.overdraw, 0)?))?;
-    let mut job = Job { run, frame, slab, target: Target::Count { blended: false } };
+    let mut job = Job { run, frame, slab, target: Target::Count { blended: false }, keys: Keys::Whole };
     for batch in &frame.tables.batches {
         if frame.tables.batches.len() > 1 {
             job.transform(batch)?;
@@ -182,6 +212,7 @@ impl<'a> Job<'a, '_> {
             part_last: batch.parts.end as u32 - 1,
             slab_px,
             slab_size_px,
+            stage: self.keys.stage(),
         }
     }
 
@@ -192,9 +223,15 @@ impl<'a> Job<'a, '_> {
         let (streams, work) = (self.frame.streams, self.frame.work);
         let bound = [&self.targets()[..], &triangle_bindings(streams, work)].concat();
         let [small_shader, medium_shader] = match self.target {
-            Target::Solid => [&SHADERS.raster_small, &SHADERS.raster_medium],
+            Target::Solid => [
+                self.keys.of(&SHADERS.raster_small, &SHADERS.raster_small_words),
+                self.keys.of(&SHADERS.raster_medium, &SHADERS.raster_medium_words),
+            ],
             Target::Count { .. } => [&SHADERS.raster_small_counted, &SHADERS.raster_medium_counted],
-            Target::Layer(_) => [&SHADERS.raster_small_peeled, &SHADERS.raster_medium_peeled],
+            Target::Layer(_) => [
+                self.keys.of(&SHADERS.raster_small_peeled, &SHADERS.raster_small_peeled_words),
+                self.keys.of(&SHADERS.raster_medium_peeled, &SHADERS.raster_medium_peeled_words),
+            ],
         };
         self.run.record(|recorder| {
             if small.1 > 0 {
@@ -215,9 +252,10 @@ impl<'a> Job<'a, '_> {
             let count = (length - done).min(work.masked_small_chunk);
             let params = self.raster_params(batch, list_first + done, count);
             let bound = [&self.targets()[..], &triangle_bindings(streams, work), &fragment_bindings(work)].concat();
+            let shader = self.keys.of(&SHADERS.raster_small_masked, &SHADERS.raster_small_masked_words);
             self.run.record(|recorder| {
                 recorder.fill(&work.fragment_count, 0)?;
-                Ok(recorder.dispatch(&SHADERS.raster_small_masked, count, &params, &bound)?)
+                Ok(recorder.dispatch(shader, count, &params, &bound)?)
             })?;
             self.test_fragments()?;
             done += count;
@@ -285,10 +323,10 @@ impl<'a> Job<'a, '_> {
         };
         let params = self.raster_params(batch, 0, count);
         let shader = match self.target {
-            _ if masked => &SHADERS.raster_large_masked,
-            Target::Solid => &SHADERS.raster_large,
+            _ if masked => self.keys.of(&SHADERS.raster_large_masked, &SHADERS.raster_large_masked_words),
+            Target::Solid => self.keys.of(&SHADERS.raster_large, &SHADERS.raster_large_words),
             Target::Count { .. } => &SHADERS.raster_large_counted,
-            Target::Layer(_) => &SHADERS.raster_large_peeled,
+            Target::Layer(_) => self.keys.of(&SHADERS.raster_large_peeled, &SHADERS.raster_large_peeled_words),
         };
         let mut targets = self.targets();
         self.run.record(|recorder| {
@@ -316,7 +354,9 @@ impl<'a> Job<'a, '_> {
             slab_size_px,
             has_colors: u32::from(self.frame.tables.colored),
             has_map: u32::from(!map.is_empty()),
+            stage: self.keys.stage(),
         };
+        let shader = self.keys.of(&SHADERS.masked, &SHADERS.masked_words);
         let frame = self.frame;
         self.run.record(|recorder| {
             shading::record_surface(recorder, frame, count)?;
@@ -329,7 +369,7 @@ impl<'a> Job<'a, '_> {
                 ("colors", &streams.colors),
                 ("mapped_base_color", map),
             ];
-            Ok(recorder.dispatch(&SHADERS.masked, count, &params, &bound)?)
+            Ok(recorder.dispatch(shader, count, &params, &bound)?)
         })
     }
 }

@@ -1,0 +1,6 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// See raster_small.glsl: covered samples become fragments, whose alpha `masked_words` tests; keys are written by halves.
+#define WORDS
+#define MASKED
+#include "raster_small.glsl"
