@@ -15,8 +15,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub(crate) use camera::CameraArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
-pub(crate) use light::{AlphaArg, FilterArg, LightArgs, ShadingArg, ShadowsArg};
-pub(crate) use look::LookArgs;
+pub(crate) use light::{AlphaArg, FilterArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};
+pub(crate) use look::{LookArgs, ProjectionArg};
 pub(crate) use values::LightArg;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
@@ -194,6 +194,10 @@ pub(crate) enum AovArg {
     Uv,
     /// Number of the triangle
     Triangle,
+    /// How often samples of a pixel are covered, before depth and alpha decide
+    Overdraw,
+    /// How many triangles a pixel's samples show
+    Samples,
 }
 
 const RENDER_EXAMPLES: &str = "\
@@ -232,9 +236,13 @@ pub(crate) struct RenderArgs {
     pub(crate) supersample: Option<u32>,
     #[command(flatten)]
     pub(crate) light: LightArgs,
-    /// More images: any of depth, normal, position, uv, triangle
+    /// More images: any of depth, normal, position, uv, triangle, overdraw, samples
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
+    /// Draw where this pixel lies on the base colour map that it shows, as OUT.preimage.png: its square, and the ellipse that
+    /// elliptical filtering weighs texels in
+    #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Output")]
+    pub(crate) preimage: Option<[u32; 2]>,
     /// Image to write: .png is sRGB, 8 bit; .exr is linear float
     #[arg(short, long, value_name = "OUT.png|OUT.exr", help_heading = "Output")]
     pub(crate) output: PathBuf,

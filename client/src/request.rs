@@ -9,7 +9,7 @@ use displace_proto::v1::{self, layer, view};
 use crate::{
     args::{
         AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg,
-        PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        MomentsArg, PresetArg, ProjectionArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -126,8 +126,28 @@ impl Parcel {
     pub(crate) fn look(&mut self, look: &LookArgs) -> Result<Option<v1::Look>> {
         let mut map =
             |flag: &str, path: &Option<PathBuf>| path.as_ref().map(|path| self.map_file(flag, path)).transpose();
-        let (base_color, opacity) = (map("--base-color", &look.base_color)?, map("--opacity", &look.opacity)?);
-        Ok((base_color.is_some() || opacity.is_some()).then_some(v1::Look { base_color, opacity }))
+        let message = v1::Look {
+            base_color: map("--base-color", &look.base_color)?,
+            metallic_roughness: map("--metallic-roughness", &look.metallic_roughness)?,
+            occlusion: map("--occlusion", &look.occlusion)?,
+            emissive: map("--emissive", &look.emissive)?,
+            opacity: map("--opacity", &look.opacity)?,
+            projection: projection(look.projection).into(),
+        };
+        Ok((message != v1::Look::default()).then_some(message))
+    }
+}
+
+fn projection(projection: ProjectionArg) -> v1::Projection {
+    match projection {
+        ProjectionArg::Uv => v1::Projection::Unspecified,
+        ProjectionArg::Sphere => v1::Projection::Sphere,
+        ProjectionArg::SphereAsPrinted => v1::Projection::SphereAsPrinted,
+        ProjectionArg::PlanarX => v1::Projection::PlanarX,
+        ProjectionArg::PlanarY => v1::Projection::PlanarY,
+        ProjectionArg::PlanarZ => v1::Projection::PlanarZ,
+        ProjectionArg::Box => v1::Projection::Box,
+        ProjectionArg::Triplanar => v1::Projection::Triplanar,
     }
 }
 
@@ -234,6 +254,10 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         AlphaArg::Blend => v1::AlphaMode::Blend,
         AlphaArg::Stochastic => v1::AlphaMode::Stochastic,
     };
+    let moments = match args.moments {
+        MomentsArg::Off => v1::Moments::Off,
+        MomentsArg::On => v1::Moments::On,
+    };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
@@ -242,6 +266,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         filter: filter.into(),
         environment,
         alpha: alpha.into(),
+        moments: moments.into(),
     }
 }
 
@@ -261,6 +286,8 @@ pub(crate) fn aov(aov: AovArg) -> v1::Aov {
         AovArg::Position => v1::Aov::Position,
         AovArg::Uv => v1::Aov::Uv,
         AovArg::Triangle => v1::Aov::Triangle,
+        AovArg::Overdraw => v1::Aov::Overdraw,
+        AovArg::Samples => v1::Aov::Samples,
     }
 }
 

@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform Params {
     uint count;
     uint maps; // slots that have any map, a bit each: streams of the others are empty
     uint has_colors;
+    uint is_projected; // values of normal maps are slopes in the mesh's space
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -36,28 +37,27 @@ const uint HAS_METALLIC_ROUGHNESS = 4u;
 const uint HAS_OCCLUSION = 8u;
 const uint HAS_EMISSIVE = 16u;
 
-// Unnormalised tangent and bitangent as MikkTSpace has them: interpolated, not made orthogonal to the normal.
-vec3 mapped_direction(SurfacePoint point, vec3 n) {
-    vec4 tangent = vec4(0.0);
-    for (uint k = 0u; k < 3u; ++k) {
-        tangent += LOAD(tangents, point.triangle * 3u + k) * point.at[k];
-    }
+#include "mapped_direction.glsl"
+
+// The normal of a surface that is tilted by a slope in the mesh's space, which stays as steep in the world (surface
+// gradients, Mikkelsen 2020).
+vec3 tilted(SurfacePoint point, vec3 tilt) {
     uint row = point.instance * INSTANCE_ROWS + WORLD_ROW;
     vec3 t;
     for (uint k = 0u; k < 3u; ++k) {
-        t[k] = dot(LOAD(instance_rows, row + k).xyz, tangent.xyz);
+        t[k] = dot(LOAD(instance_rows, row + k).xyz, tilt);
     }
     float length_squared = dot(t, t);
-    if (length_squared < 1e-30 || tangent.w == 0.0) {
-        return vec3(0.0);
-    }
-    t *= inversesqrt(length_squared);
+    t *= length_squared > 1e-30 ? length(tilt) * inversesqrt(length_squared) : 0.0;
     vec3 front = point.normal * point.flip;
-    vec3 b = sign(tangent.w) * cross(front, t);
-    return point.flip * (n.x * t + n.y * b + n.z * front);
+    vec3 direction = front + t - front * dot(front, t);
+    return point.normal == vec3(0.0) ? point.normal : point.flip * normalize(direction);
 }
 
 vec3 shading_normal(SurfacePoint point, Material m, uint i) {
+    if (params.is_projected != 0u) {
+        return tilted(point, m.normal_scale * LOAD(mapped_normal, i).xyz);
+    }
     vec3 n = LOAD(mapped_normal, i).xyz * vec3(m.normal_scale, m.normal_scale, 1.0);
     vec3 direction = mapped_direction(point, n);
     float length_squared = dot(direction, direction);

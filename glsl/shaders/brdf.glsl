@@ -10,10 +10,13 @@ const float MIN_COSINE = 1e-4;
 // Reflectance of dielectrics seen head on: an index of refraction of 1.5.
 const float DIELECTRIC_F0 = 0.04;
 
-// A surface as the model sees it.
+// A surface as the model sees it: a dielectric and a metal, mixed. What facets reflect once is that of mixed f0, since
+// Schlick's Fresnel is linear in it; only the dielectric's keeps light from its matter.
 struct Reflectance {
-    vec3 f0;         // seen head on, 0 to 1
-    vec3 diffuse;    // albedo below the interface
+    vec3 f0;         // of both, seen head on, 0 to 1
+    vec3 metal;      // f0 of the metal
+    float metallic;  // its share
+    vec3 diffuse;    // albedo of matter below facets, times the dielectric's share
     float roughness; // perceptual
     float alpha;     // width of GGX
 };
@@ -23,7 +26,8 @@ Reflectance reflectance(vec3 base, float metallic, float roughness) {
     roughness = clamp(roughness, MIN_ROUGHNESS, 1.0);
     base = clamp(base, 0.0, 1.0);
     return Reflectance(
-        mix(vec3(DIELECTRIC_F0), base, metallic), base * (1.0 - metallic), roughness, roughness * roughness);
+        mix(vec3(DIELECTRIC_F0), base, metallic), base, metallic, base * (1.0 - metallic), roughness,
+        roughness * roughness);
 }
 
 // GGX by the half vector's cosine and squared sine, which keeps its digits where the lobe is narrow.

@@ -38,13 +38,22 @@ struct Albedo {
     vec3 single;   // at the first facet met
     float grazing; // of it, what Fresnel adds at grazing angles whatever the surface
     vec3 multiple; // after several facets: like diffuse light
-    vec3 below;    // what is left for the matter below
+    float below;   // what a dielectric leaves for the matter below
 };
 
-// Share of light that comes out of facets after more than one, of what one facet has not let out.
+// Share of light that comes out of facets of one f0 after more than one, of what one facet has not let out.
 vec3 passed_on(vec3 f0, float lost) {
     vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
     return mean_fresnel * mean_fresnel * (1.0 - lost) / (1.0 - mean_fresnel * lost);
+}
+
+// The same of a dielectric's facets.
+float passed_on_dielectric(float lost) {
+    return passed_on(vec3(DIELECTRIC_F0), lost).x;
+}
+
+vec3 passed_on_both(Reflectance surface, float lost) {
+    return mix(vec3(passed_on_dielectric(lost)), passed_on(surface.metal, lost), surface.metallic);
 }
 
 // Of light from everywhere. Without `multiple` facets pass nothing on to each other, as appendix B has it.
@@ -52,10 +61,12 @@ Albedo albedo(Reflectance surface, float nv, bool multiple) {
     vec3 cell = table_at(surface.roughness, nv);
     vec3 single = surface.f0 * cell.x + cell.y;
     if (!multiple) {
-        return Albedo(single, cell.y, vec3(0.0), (1.0 - surface.f0) * (1.0 - cell.z));
+        return Albedo(single, cell.y, vec3(0.0), (1.0 - DIELECTRIC_F0) * (1.0 - cell.z));
     }
-    vec3 passed = passed_on(surface.f0, table_average(surface.roughness).z) * max(1.0 - cell.x - cell.y, 0.0);
-    return Albedo(single, cell.y, passed, 1.0 - single - passed);
+    float lost = table_average(surface.roughness).z;
+    float left = max(1.0 - cell.x - cell.y, 0.0);
+    float below = 1.0 - (DIELECTRIC_F0 * cell.x + cell.y) - passed_on_dielectric(lost) * left;
+    return Albedo(single, cell.y, passed_on_both(surface, lost) * left, below);
 }
 
 // What is weighed by the light of all directions that the surface sees.
@@ -63,23 +74,34 @@ vec3 around(Reflectance surface, Albedo seen) {
     return seen.multiple + surface.diffuse * seen.below;
 }
 
-// Share of light from `l` that leaves towards `v`, per steradian, times pi; all unit, `n` as `visible_normal` has it, `l`
-// in front of the surface. `seen`: the albedo towards `v`. What facets pass on and what comes from below them falls with
-// what single facets reflect to either side, so that directions can be exchanged.
-vec3 brdf_pi(Reflectance surface, Albedo seen, vec3 n, vec3 v, vec3 l, bool multiple) {
-    float nv = clamp(dot(n, v), MIN_COSINE, 1.0);
-    float nl = min(dot(n, l), 1.0);
-    vec3 h = normalize(v + l);
-    vec3 across = cross(n, h);
-    float lobe = PI * distribution(surface.alpha, dot(n, h), dot(across, across)) * visibility(surface.alpha, nv, nl);
-    vec3 fresnel = surface.f0 + (1.0 - surface.f0) * grazing(dot(v, h));
+// What leaves beside the light that single facets mirror: passed on between facets, and from below them; per steradian,
+// times pi. Both fall with what single facets reflect to either side, so that directions can be exchanged. `grazed`: of
+// Schlick's Fresnel.
+struct Beside {
+    vec3 multiple;
+    vec3 below;
+};
+
+Beside beside_pi(Reflectance surface, Albedo seen, float grazed, float nl, bool multiple) {
     if (!multiple) {
-        return fresnel * lobe + surface.diffuse * (1.0 - fresnel);
+        return Beside(vec3(0.0), surface.diffuse * ((1.0 - DIELECTRIC_F0) * (1.0 - grazed)));
     }
     Albedo lit = albedo(surface, nl, true);
     vec3 average = table_average(surface.roughness);
-    vec3 passed = passed_on(surface.f0, average.z) * average.z;
-    vec3 below = 1.0 - (surface.f0 * average.x + average.y) - passed;
-    return fresnel * lobe + seen.multiple * lit.multiple / max(passed, vec3(1e-12))
-        + surface.diffuse * seen.below * lit.below / max(below, vec3(1e-12));
+    vec3 passed = passed_on_both(surface, average.z) * average.z;
+    float below = 1.0 - (DIELECTRIC_F0 * average.x + average.y) - passed_on_dielectric(average.z) * average.z;
+    return Beside(
+        seen.multiple * lit.multiple / max(passed, vec3(1e-12)),
+        surface.diffuse * (seen.below * lit.below / max(below, 1e-12)));
+}
+
+vec3 fresnel_of(Reflectance surface, float grazed) {
+    return surface.f0 + (1.0 - surface.f0) * grazed;
+}
+
+// Distribution and masking of one normal, times pi; `nl`: its cosine to `l`.
+float lobe_pi(float alpha, vec3 n, vec3 v, vec3 h, float nl) {
+    float nv = clamp(dot(n, v), MIN_COSINE, 1.0);
+    vec3 across = cross(n, h);
+    return PI * distribution(alpha, dot(n, h), dot(across, across)) * visibility(alpha, nv, nl);
 }

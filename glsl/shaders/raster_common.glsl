@@ -1,6 +1,7 @@
 // What the passes that cover samples share: parameters, streams, and what happens to a covered sample. It
 // goes to the visibility buffer; with MASKED defined it becomes a fragment, whose alpha later passes test; with
-// PEELED defined it goes there only from between the layer before and what is solid.
+// PEELED defined it goes there only from between the layer before and what is solid; with COUNTED defined it is counted
+// for its pixel, whatever is before it.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "common.glsl"
@@ -19,8 +20,17 @@ layout(push_constant, scalar) uniform RasterParams {
     ivec2 slab_size_px;
 } params;
 
+#ifdef COUNTED
+PAGED(0, , uint, overdraw);
+
+void cover_sample(uint id, ivec2 pixel, int s, float depth) {
+    ivec2 place = pixel - params.slab_px;
+    atomicAdd(ELEMENT(overdraw, uint(place.y * params.slab_size_px.x + place.x)), 1u);
+}
+#else
 PAGED(0, , uint64_t, visibility);
 #include "visibility.glsl"
+#endif
 
 #ifdef MASKED
 #include "fragment.glsl"
@@ -47,7 +57,7 @@ void cover_sample(uint id, ivec2 pixel, int s, float depth) {
         write_visibility(id, place, floatBitsToUint(depth));
     }
 }
-#else
+#elif !defined(COUNTED)
 void cover_sample(uint id, ivec2 pixel, int s, float depth) {
     write_visibility(id, sample_place(pixel, s), floatBitsToUint(depth));
 }

@@ -37,12 +37,14 @@ PAGED(11, writeonly, uint, triangle_out);
 PAGED(12, readonly, vec3, backdrop);
 PAGED(13, readonly, vec3, layered);
 PAGED(14, readonly, float, transmittance); // of samples
+PAGED(15, writeonly, uint, samples_out);
 
 const uint OUTPUT_DEPTH = 1u;
 const uint OUTPUT_NORMAL = 2u;
 const uint OUTPUT_POSITION = 4u;
 const uint OUTPUT_UV = 8u;
 const uint OUTPUT_TRIANGLE = 16u;
+const uint OUTPUT_SAMPLES = 32u;
 
 const uint NOTHING = 0xFFFFFFFFu;
 
@@ -109,6 +111,9 @@ void element(uint i) {
     }
     STORE(color_out, i, vec4(color, 1.0));
     bool something = most > 0u && most >= empty;
+    if ((params.outputs & OUTPUT_SAMPLES) != 0u) {
+        STORE(samples_out, i, number);
+    }
     if (params.outputs != 0u) {
         SurfacePoint point;
         vec3 normal;

@@ -10,7 +10,6 @@ layout(push_constant, scalar) uniform TextureParams {
     uint count;       // fragments
     uint slot;        // MAP_*
     uint uv_channels; // of each vertex
-    float footprint;  // pixels that one filters over: 1, or less where a pixel has many samples
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);

@@ -1,4 +1,4 @@
-// The ellipse that a pixel covers on a map (Heckbert 1989). Include after texture_bindings.glsl.
+// The ellipse that a pixel covers on a map (Heckbert 1989).
 
 // Longest side of a footprint in its shortest, beyond which the shortest is widened.
 const float MAX_ANISOTROPY = 16.0;

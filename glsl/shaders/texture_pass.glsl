@@ -17,7 +17,7 @@ void element(uint i) {
     vec2 uv = vec3(corner * point.at, 1.0) * rows;
     vec2 uv_dx = vec3(corner * point.at_dx, 0.0) * rows;
     vec2 uv_dy = vec3(corner * point.at_dy, 0.0) * rows;
-    STORE(mapped, i, filtered(map, uv, uv_dx * params.footprint, uv_dy * params.footprint));
+    STORE(mapped, i, filtered(map, uv, uv_dx, uv_dy));
 }
 
 #include "batch.glsl"

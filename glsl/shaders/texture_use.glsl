@@ -14,5 +14,6 @@ const uint MAP_NORMAL = 1u;
 const uint MAP_METALLIC_ROUGHNESS = 2u;
 const uint MAP_OCCLUSION = 3u;
 const uint MAP_EMISSIVE = 4u;
+const uint MAP_NORMAL_MOMENTS = 5u; // of the slopes in the place of normals
 const uint MAP_DETAIL = 6u; // the first of four; what they hold, `Bump` says
 const uint MAP_SLOTS = 10u;

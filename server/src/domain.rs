@@ -22,6 +22,8 @@ pub mod measurement;
 pub mod mesh;
 pub mod normal_map;
 pub mod plan;
+pub mod preimage;
+pub mod projection;
 pub mod report;
 pub mod request;
 pub mod scene;

@@ -10,6 +10,7 @@ mod gltf;
 mod invariants;
 mod lists;
 mod lods;
+mod look_maps;
 mod measure;
 mod normal_maps;
 mod opacity;

@@ -12,6 +12,7 @@ use displace_server::{
     domain::{
         cancel::{Cancel, NoProgress},
         image::{ImageSet, Lighting, RenderCamera, RenderInstance, RenderMaterial, Shading},
+        projection::Projection,
         request::Aov,
     },
     oracle::image::{Exposure, OracleMesh, OracleScene, render},
@@ -49,6 +50,7 @@ fn scene(mesh: OracleMesh, color: [f32; 3], lighting: Lighting) -> OracleScene {
         camera: camera(),
         lighting,
         shading: Shading::Phong,
+        projection: Projection::Uv,
         uv_channels: 1,
         aovs: AOVS.to_vec(),
     }

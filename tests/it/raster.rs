@@ -6,7 +6,10 @@ mod bump;
 mod filters;
 mod light;
 mod looks;
+mod moments;
+mod mapping;
 mod passes;
+pub(crate) mod projection;
 pub(crate) mod scenes;
 
 use std::{collections::HashSet, sync::OnceLock};

@@ -11,14 +11,17 @@ At 1024 x 1024:
 
 Peers: seconds of a render of the loaded scene, the first one (which compiles, for Mitsuba) and the median of the others.
 Ours: of the whole program, start, reading and writing included, the first and the median of the others, computed afresh each
-time. Wall seconds, and processor seconds of the median after them: other work on the machine changes these less. Prints a
-Markdown table with ratios of wall seconds, theirs / ours; exits 0. Without --displace the peers alone.
+time, and never with fewer than 4 samples. Wall seconds, and processor seconds of the median after them: other work on the
+machine changes these less. The frame alone is told, too: passes of the report, without start, files and codecs. Mean FLIP is
+that of each image to the same program's own with 256 samples. Prints a Markdown table with ratios of wall seconds, theirs /
+ours; exits 0. Without --displace the peers alone.
 """
 
 import argparse
 import json
 import os
 import resource
+import shutil
 import statistics
 import subprocess
 import tempfile
@@ -39,6 +42,9 @@ SCALE, MIDLEVEL, TEXELS = 0.1, 0.5, 512
 # Of ours. A matte sphere has roughness 1 and no metal.
 SUN = ["--light", "0.5,0.8,1", "--ambient", "0"]
 LOOKS = {"matte": SUN, "environment": ["--shading", "pbr", "--ambient", "0"], "displaced": SUN}
+# Passes of a report that are no rendering.
+NOT_FRAME = {"read_gltf", "decode_maps", "decode_images", "compile", "encode"}
+CONVERGED = 256
 Seconds = dict[str, list[float]]
 
 
@@ -91,16 +97,45 @@ def by_mitsuba(options, scene: str, folder: Path, samples: int) -> Seconds:
 
 
 def by_displace(options, scene: str, folder: Path, samples: int) -> Seconds:
+    frames: list[float] = []
+
+    def once():
+        done = subprocess.run(command(options, scene, folder, samples), check=True, timeout=500, capture_output=True, text=True)
+        passes = json.loads(done.stdout)["passes"]
+        frames.append(sum(row["ms"] for row in passes if row["name"] not in NOT_FRAME) / 1000)
+
+    return timed(options.runs, once, resource.RUSAGE_CHILDREN) | {"frame_s": frames}
+
+
+def command(options, scene: str, folder: Path, samples: int) -> list[str]:
     camera = json.loads((folder / "camera.json").read_text())
     view = [f"--{flag}={','.join(map(repr, camera[name]))}" for flag, name in (("eye", "eye"), ("look-at", "target"))]
-    flags = [*LOOKS[scene], *view, "--fov", repr(camera["yfov_degrees"]), "--size", f"{SIZE}x{SIZE}", "--supersample", str(samples)]
+    flags = [*LOOKS[scene], *view, "--fov", repr(camera["yfov_degrees"]), "--size", f"{SIZE}x{SIZE}", "--supersample", str(max(samples, 4))]
     if scene == "environment":
         flags += ["--env", str(folder / "environment.exr")]
     if scene == "displaced":
-        flags += ["--height", str(folder / "height.png"), "--scale", str(SCALE), "--midlevel", str(MIDLEVEL), "--tolerance-px", "1"]
+        flags += ["--height", str(folder / "height.png"), "--scale", str(SCALE), "--midlevel", str(MIDLEVEL)]
+        places = [",".join(map(repr, camera[name])) for name in ("eye", "target")]
+        flags += ["--tolerance-px", "1", "--view", ";".join([*places, repr(camera["yfov_degrees"]), f"{SIZE}x{SIZE}"])]
     flags += ["--device", options.device] if options.device else []
-    command = [str(options.displace), "render", str(folder / "scene.glb"), *flags, "--fresh", "--quiet", "-o", str(folder / "ours.exr")]
-    return timed(options.runs, lambda: subprocess.run(command, check=True, timeout=500), resource.RUSAGE_CHILDREN)
+    return [str(options.displace), "render", str(folder / "scene.glb"), *flags, "--fresh", "--json", "-o", str(folder / "displace.exr")]
+
+
+def flip(options, one: Path, other: Path) -> float:
+    """Mean FLIP by our own `compare`."""
+    done = subprocess.run([str(options.displace), "compare", str(one), str(other), "--json"], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)["flip_mean"]
+
+
+def errors(options, scene: str, folder: Path, count: int, renderers: dict) -> dict[str, float]:
+    """Mean FLIP of the images that lie there to converged ones, which replace them."""
+    found = {}
+    for name, render in renderers.items():
+        image, kept = folder / f"{name}.exr", folder / f"{name}.few.exr"
+        shutil.copy(image, kept)
+        render(options, scene, folder, count)
+        found[name] = flip(options, image, kept)
+    return found
 
 
 def timed(runs: int, once, whose: int) -> Seconds:
@@ -138,6 +173,8 @@ def main() -> int:
     parser.add_argument("--bpy", help="a Python that has bpy; without it no Cycles")
     parser.add_argument("--device", help="of displace")
     parser.add_argument("--runs", type=int, default=4, help="of each")
+    parser.add_argument("--flip", action="store_true", help="measure errors, too: a converged image of each takes minutes")
+    parser.add_argument("--scenes", nargs="+", choices=list(LOOKS), default=list(LOOKS))
     parser.add_argument("--out", type=Path, help="keeps the files here (default: a temporary folder)")
     options = parser.parse_args()
     options.displace = options.displace and options.displace.resolve()
@@ -150,13 +187,22 @@ def main() -> int:
 
 
 def measure(options, ball: Path, square: Path) -> None:
-    print("| scene | samples | ours s | Cycles s | Mitsuba s | Cycles / ours | Mitsuba / ours |\n|---|---|---|---|---|---|---|")
+    head = ["scene", "samples", "ours s", "frame s", "Cycles s", "Mitsuba s", "Cycles / ours", "Mitsuba / frame", "FLIP"]
+    print(f"| {' | '.join(head)} |\n|{'---|' * len(head)}")
     for scene, folder, counts in (("matte", ball, (4, 16)), ("environment", ball, (4, 16)), ("displaced", square, (1, 16))):
+        if scene not in options.scenes:
+            continue
+        renderers = {"displace": by_displace} if options.displace else {}
+        renderers |= {"cycles": by_cycles} if options.bpy else {}
+        renderers |= {"mitsuba": by_mitsuba} if scene != "displaced" else {}
         for samples in counts:
-            ours = by_displace(options, scene, folder, samples) if options.displace else None
-            cycles = by_cycles(options, scene, folder, samples) if options.bpy else None
-            mitsuba = by_mitsuba(options, scene, folder, samples) if scene != "displaced" else None
-            cells = [cell(ours), cell(cycles), cell(mitsuba), ratio(cycles, ours), ratio(mitsuba, ours)]
+            took = {name: render(options, scene, folder, samples) for name, render in renderers.items()}
+            ours, cycles, mitsuba = (took.get(name) for name in ("displace", "cycles", "mitsuba"))
+            frame = ours and {"wall_s": ours["frame_s"]}
+            cells = [cell(ours), f"{median(ours['frame_s']):.2f}" if ours else "-", cell(cycles), cell(mitsuba)]
+            cells += [ratio(cycles, ours), ratio(mitsuba, frame)]
+            found = errors(options, scene, folder, CONVERGED, renderers) if options.displace and options.flip else {}
+            cells.append(", ".join(f"{name} {value:.4f}" for name, value in found.items()))
             print(f"| {scene} | {samples} | {' | '.join(cells)} |", flush=True)
     print(f"\nwall seconds of the first and of the median of the others (processor seconds); Mitsuba {mi.__version__}")
 

@@ -11,6 +11,7 @@ pub mod glb;
 pub mod golden;
 pub mod maps;
 pub mod meshes;
+pub mod projective;
 pub mod server;
 pub mod subdivided;
 pub mod surfaces;

@@ -51,6 +51,15 @@ pub(crate) enum AlphaArg {
     Stochastic,
 }
 
+/// Whether normals keep their scatter when they are filtered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MomentsArg {
+    /// The mean normal of a pixel
+    Off,
+    /// All normals of a pixel, with --shading pbr: highlights of distant normal maps stay as wide and dim as they are
+    On,
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Look")]
 pub(crate) struct LightArgs {
@@ -69,4 +78,7 @@ pub(crate) struct LightArgs {
     /// How materials of alpha mode BLEND are shown
     #[arg(long, value_enum, value_name = "KIND", default_value = "blend")]
     pub(crate) alpha: AlphaArg,
+    /// Whether normals of maps keep their scatter when they are filtered, as second moments of slopes
+    #[arg(long, value_enum, value_name = "WHETHER", default_value = "off")]
+    pub(crate) moments: MomentsArg,
 }

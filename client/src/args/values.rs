@@ -133,6 +133,14 @@ pub(crate) struct Size {
     pub(crate) height: u32,
 }
 
+/// `X,Y` of an image.
+pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let expected = "expected X,Y, whole numbers from the left and from the top, from 0, such as 160,120";
+    let (x, y) = text.split_once(',').ok_or(expected)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| expected.to_owned());
+    Ok([number(x)?, number(y)?])
+}
+
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     let expected = "expected WIDTHxHEIGHT in pixels, each 1 to 16384, such as 1280x720";
     let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
-use displace_proto::v1::{ImageFormat, Output, RenderRequest, geometry::Refinement};
+use displace_proto::v1::{ImageFormat, Output, Pixel, RenderRequest, geometry::Refinement};
 
 use super::{
     Session, blocking,
@@ -54,6 +54,7 @@ pub(super) async fn perform(
         aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
         format: format.into(),
         samples: args.supersample.unwrap_or_default(),
+        preimage: args.preimage.map(|[x, y]| Pixel { x, y }),
     };
     let connection = session.connection().await?;
     let mut result = jobs::run(connection, &Job::Render(message), &parcel.blobs, progress).await?;
@@ -100,7 +101,12 @@ fn placed(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
         .into_iter()
         .map(|output| {
             let stem = output.name.split('.').next().unwrap_or_default();
-            let target = Target::new(&if stem == "color" { path.to_owned() } else { beside(path, stem) })?;
+            let target = Target::new(&match stem {
+                "color" => path.to_owned(),
+                // A drawing, whatever the image is.
+                "preimage" => path.with_extension("preimage.png"),
+                _ => beside(path, stem),
+            })?;
             Ok((output, target))
         })
         .collect()

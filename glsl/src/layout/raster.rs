@@ -159,13 +159,43 @@ mirrors! {
         pub count: u32,
         pub slot: u32,
         pub uv_channels: u32,
-        pub footprint: f32,
+    }
+
+    pub struct ProjectParams {
+        pub count: u32,
+        pub kind: u32,
+        pub index: u32,
+    }
+
+    /// How a fragment lies under a projection.
+    pub struct ProjectedFrame {
+        pub tangent: [f32; 3],
+        pub weight: f32,
+        pub bitangent: [f32; 3],
+    }
+
+    pub struct ProjectBlendParams {
+        pub count: u32,
+        pub index: u32,
+        pub is_slope: u32,
     }
 
     pub struct AppearanceParams {
         pub count: u32,
         pub maps: u32,
         pub has_colors: u32,
+        pub is_projected: u32,
+    }
+
+    pub struct MomentsParams {
+        pub count: u32,
+        pub uv_channels: u32,
+    }
+
+    /// One standard deviation of slopes of normals along their principal axes.
+    pub struct Spread {
+        pub major: [f32; 3],
+        pub minor: [f32; 3],
     }
 
     pub struct MaskedParams {
@@ -256,6 +286,7 @@ pub const MAP_NORMAL: usize = 1;
 pub const MAP_METALLIC_ROUGHNESS: usize = 2;
 pub const MAP_OCCLUSION: usize = 3;
 pub const MAP_EMISSIVE: usize = 4;
+pub const MAP_NORMAL_MOMENTS: usize = 5;
 /// The first of `bump::BUMP_SLOTS`; what they hold, `bump::Bump` says.
 pub const MAP_DETAIL: usize = 6;
 
@@ -278,3 +309,4 @@ pub const OUTPUT_NORMAL: u32 = 2;
 pub const OUTPUT_POSITION: u32 = 4;
 pub const OUTPUT_UV: u32 = 8;
 pub const OUTPUT_TRIANGLE: u32 = 16;
+pub const OUTPUT_SAMPLES: u32 = 32;

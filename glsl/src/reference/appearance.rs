@@ -36,6 +36,8 @@ pub struct Under {
     pub flip: f64,
     /// Tangent in world space, interpolated, of any length, and handedness; w is 0 where there is none.
     pub tangent: DVec4,
+    /// Where normal maps are projected, what they say: minus the slope, in the world.
+    pub tilt: Option<DVec3>,
 }
 
 /// `mapped`: what each map shows there; white where there is none.
@@ -46,7 +48,10 @@ pub fn appearance(m: &Material, under: &Under, mapped: &[DVec4; MAP_SLOTS]) -> A
         under.normal
     } else {
         let scale = f64::from(m.normal_scale);
-        mapped_normal(under, mapped[MAP_NORMAL].truncate() * DVec3::new(scale, scale, 1.0))
+        match under.tilt {
+            Some(tilt) => tilted_normal(under, scale * tilt),
+            None => mapped_normal(under, mapped[MAP_NORMAL].truncate() * DVec3::new(scale, scale, 1.0)),
+        }
     };
     Appearance {
         base: DVec4::from_array(m.base_color.map(f64::from)) * under.color * mapped[MAP_BASE_COLOR],
@@ -72,12 +77,24 @@ fn mapped_normal(under: &Under, n: DVec3) -> DVec3 {
     if direction.length_squared() > 1e-20 { direction.normalize() } else { under.normal }
 }
 
+/// Surface gradients (Mikkelsen 2020): what of the slope lies in the surface turns its normal.
+fn tilted_normal(under: &Under, tilt: DVec3) -> DVec3 {
+    let front = under.normal * under.flip;
+    under.flip * (front + tilt - front * front.dot(tilt)).normalize_or_zero()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn under(handedness: f64, flip: f64) -> Under {
-        Under { color: DVec4::ONE, normal: DVec3::Z * flip, flip, tangent: DVec4::new(2.0, 0.0, 0.0, handedness) }
+        Under {
+            color: DVec4::ONE,
+            normal: DVec3::Z * flip,
+            flip,
+            tangent: DVec4::new(2.0, 0.0, 0.0, handedness),
+            tilt: None,
+        }
     }
 
     #[test]
@@ -86,6 +103,16 @@ mod tests {
         assert!((mapped_normal(&under(1.0, 1.0), n) - n).length() < 1e-15);
         assert!((mapped_normal(&under(-1.0, 1.0), n) - n * DVec3::new(1.0, -1.0, 1.0)).length() < 1e-15);
         assert!((mapped_normal(&under(1.0, -1.0), n) + n).length() < 1e-15);
+    }
+
+    #[test]
+    fn a_slope_turns_the_normal_as_the_frame_of_a_map_does() {
+        let n = DVec3::new(0.6, 0.48, 0.64);
+        for flip in [1.0, -1.0] {
+            let framed = mapped_normal(&under(1.0, flip), n);
+            let tilted = tilted_normal(&under(1.0, flip), DVec3::new(n.x, n.y, 7.0) / DVec3::new(n.z, n.z, 1.0));
+            assert!((framed - tilted).length() < 1e-15, "{framed} {tilted}");
+        }
     }
 
     #[test]

@@ -14,12 +14,17 @@ pub const MIN_COSINE: f64 = 1e-4;
 /// Reflectance of dielectrics seen head on: an index of refraction of 1.5.
 pub const DIELECTRIC_F0: f64 = 0.04;
 
-/// A surface as the model sees it.
+/// A surface as the model sees it: a dielectric and a metal, mixed. What facets reflect once is that of mixed f0, since
+/// Schlick's Fresnel is linear in it; only the dielectric's keeps light from its matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflectance {
-    /// Seen head on, 0 to 1.
+    /// Of both, seen head on, 0 to 1.
     pub f0: DVec3,
-    /// Albedo below the interface.
+    /// f0 of the metal.
+    pub metal: DVec3,
+    /// Its share.
+    pub metallic: f64,
+    /// Albedo of matter below facets, times the dielectric's share.
     pub diffuse: DVec3,
     /// Perceptual, 0 to 1, no less than `MIN_ALPHA` allows.
     pub roughness: f64,
@@ -34,6 +39,8 @@ impl Reflectance {
         let base = base.clamp(DVec3::ZERO, DVec3::ONE);
         Self {
             f0: DVec3::splat(DIELECTRIC_F0).lerp(base, metallic),
+            metal: base,
+            metallic,
             diffuse: base * (1.0 - metallic),
             roughness,
             alpha: roughness * roughness,
@@ -83,8 +90,8 @@ pub struct Albedo {
     pub grazing: f64,
     /// After several facets: like diffuse light.
     pub multiple: DVec3,
-    /// What is left for the matter below.
-    pub below: DVec3,
+    /// What a dielectric leaves for the matter below.
+    pub below: f64,
 }
 
 impl Albedo {
@@ -95,10 +102,15 @@ impl Albedo {
     }
 }
 
-/// Share of light that comes out of facets after more than one, of what one facet has not let out.
-fn passed_on(f0: DVec3, lost: f64) -> DVec3 {
-    let mean_fresnel = f0 + (DVec3::ONE - f0) / 21.0;
-    mean_fresnel * mean_fresnel * (1.0 - lost) / (DVec3::ONE - mean_fresnel * lost)
+/// Share of light that comes out of facets of one f0 after more than one, of what one facet has not let out.
+fn passed_on(f0: f64, lost: f64) -> f64 {
+    let mean_fresnel = f0 + (1.0 - f0) / 21.0;
+    mean_fresnel * mean_fresnel * (1.0 - lost) / (1.0 - mean_fresnel * lost)
+}
+
+fn passed_on_both(surface: &Reflectance, lost: f64) -> DVec3 {
+    let metal = surface.metal.map(|f0| passed_on(f0, lost));
+    DVec3::splat(passed_on(DIELECTRIC_F0, lost)).lerp(metal, surface.metallic)
 }
 
 /// Of light from everywhere. Without `multiple` facets pass nothing on to each other, as appendix B has it.
@@ -107,16 +119,12 @@ pub fn albedo(surface: &Reflectance, table: &Table, nv: f64, multiple: bool) -> 
     let [scale, bias, grazed] = table.at(surface.roughness, nv);
     let single = surface.f0 * scale + bias;
     if !multiple {
-        return Albedo {
-            single,
-            grazing: bias,
-            multiple: DVec3::ZERO,
-            below: (DVec3::ONE - surface.f0) * (1.0 - grazed),
-        };
+        return Albedo { single, grazing: bias, multiple: DVec3::ZERO, below: (1.0 - DIELECTRIC_F0) * (1.0 - grazed) };
     }
-    let [_, _, mean_lost] = table.average(surface.roughness);
-    let multiple = passed_on(surface.f0, mean_lost) * (1.0 - scale - bias).max(0.0);
-    Albedo { single, grazing: bias, multiple, below: DVec3::ONE - single - multiple }
+    let [_, _, lost] = table.average(surface.roughness);
+    let left = (1.0 - scale - bias).max(0.0);
+    let below = 1.0 - (DIELECTRIC_F0 * scale + bias) - passed_on(DIELECTRIC_F0, lost) * left;
+    Albedo { single, grazing: bias, multiple: passed_on_both(surface, lost) * left, below }
 }
 
 /// Share of light from `l` that leaves towards `v`, per steradian; all unit, `n` as `visible_normal` has it. Black where
@@ -129,24 +137,25 @@ pub fn brdf(surface: &Reflectance, table: &Table, n: DVec3, v: DVec3, l: DVec3, 
     }
     let h = (v + l).normalize();
     let lobe = distribution(surface.alpha, n.dot(h), n.cross(h).length_squared()) * visibility(surface.alpha, nv, nl);
-    let fresnel = surface.f0 + (DVec3::ONE - surface.f0) * grazing(v.dot(h));
+    let grazed = grazing(v.dot(h));
+    let fresnel = surface.f0 + (DVec3::ONE - surface.f0) * grazed;
     let single = fresnel * lobe;
     if !multiple {
-        return single + surface.diffuse * (DVec3::ONE - fresnel) * FRAC_1_PI;
+        return single + surface.diffuse * ((1.0 - DIELECTRIC_F0) * (1.0 - grazed) * FRAC_1_PI);
     }
     single + around(surface, table, nv, nl)
 }
 
 /// What facets pass on to each other, and what comes from below them: both fall with what single facets reflect to
 /// either side, so that directions can be exchanged.
-fn around(surface: &Reflectance, table: &Table, nv: f64, nl: f64) -> DVec3 {
+pub(super) fn around(surface: &Reflectance, table: &Table, nv: f64, nl: f64) -> DVec3 {
     let (seen, lit) = (albedo(surface, table, nv, true), albedo(surface, table, nl, true));
     let [scale, bias, lost] = table.average(surface.roughness);
     // The means over directions of light of `lit.multiple` and `lit.below`.
-    let passed = passed_on(surface.f0, lost) * lost;
-    let below = DVec3::ONE - (surface.f0 * scale + bias) - passed;
+    let passed = passed_on_both(surface, lost) * lost;
+    let below = 1.0 - (DIELECTRIC_F0 * scale + bias) - passed_on(DIELECTRIC_F0, lost) * lost;
     let multiple = seen.multiple * lit.multiple / passed.max(DVec3::splat(1e-12));
-    let diffuse = surface.diffuse * seen.below * lit.below / below.max(DVec3::splat(1e-12));
+    let diffuse = surface.diffuse * (seen.below * lit.below / below.max(1e-12));
     (multiple + diffuse) * FRAC_1_PI
 }
 

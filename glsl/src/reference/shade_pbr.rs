@@ -1,12 +1,16 @@
 //! Twin of `shade_pbr`: light by the metallic-roughness model at a place.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::{DVec3, DVec4};
 
 use super::{
     appearance::Appearance,
-    brdf::{MIN_COSINE, Reflectance, albedo, brdf, visible_normal},
+    brdf::{DIELECTRIC_F0, MIN_COSINE, Reflectance, albedo, around, brdf, grazing, visible_normal},
     brdf_table::Table,
     lights::incoming,
+    lobe_of_normals::Scatter,
+    moments::Spread,
     surroundings::Surroundings,
 };
 use crate::layout::raster::{Light, MATERIAL_UNLIT};
@@ -30,6 +34,8 @@ pub struct Place {
     pub position: DVec3,
     /// Of the vertices, unit; zero where there is none.
     pub normal: DVec3,
+    /// Of the normals that it stands for, around the appearance's.
+    pub spread: Spread,
     /// w = 1 a place, w = 0 the direction towards an orthographic camera.
     pub eye: DVec4,
 }
@@ -45,13 +51,30 @@ pub fn radiance(a: &Appearance, place: &Place, lighting: &Lighting<'_>, sky: &Su
     let n = visible_normal(a.normal, v);
     let surface = Reflectance::new(base, a.metallic, a.roughness);
     let mut color = a.emissive + a.occlusion * from_everywhere(&surface, lighting, sky, [n, v, place.normal]);
+    let normals = Scatter::new(n, &place.spread);
     for (light, share) in lighting.lights.iter().zip(lighting.shares) {
         let light = incoming(light, place.position);
-        let cosine = n.dot(light.direction).max(0.0);
-        let reflected = brdf(&surface, lighting.table, n, v, light.direction, lighting.multiple_scattering);
-        color += light.irradiance * reflected * (share * cosine);
+        color += light.irradiance * reflected(&surface, lighting, &normals, v, light.direction) * *share;
     }
     color.extend(a.base.w)
+}
+
+/// Share of light from `l` that leaves towards `v`, per steradian, times its cosine: of all normals.
+#[must_use]
+pub fn reflected(surface: &Reflectance, lighting: &Lighting<'_>, normals: &Scatter, v: DVec3, l: DVec3) -> DVec3 {
+    let (n, multiple) = (normals.n, lighting.multiple_scattering);
+    if normals.is_one_normal(surface.alpha) {
+        return brdf(surface, lighting.table, n, v, l, multiple) * n.dot(l).max(0.0);
+    }
+    let cosine = normals.cosine(l);
+    let grazed = grazing(v.dot((v + l).normalize()));
+    let fresnel = surface.f0 + (DVec3::ONE - surface.f0) * grazed;
+    let beside = if multiple {
+        around(surface, lighting.table, n.dot(v).clamp(MIN_COSINE, 1.0), cosine.clamp(MIN_COSINE, 1.0))
+    } else {
+        surface.diffuse * ((1.0 - DIELECTRIC_F0) * (1.0 - grazed) * FRAC_1_PI)
+    };
+    fresnel * normals.lobe(surface.alpha, v, l) + beside * cosine
 }
 
 fn from_everywhere(
@@ -92,7 +115,7 @@ mod tests {
 
     fn seen_under(cosine: f64) -> Place {
         let eye = DVec4::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine, 0.0);
-        Place { position: DVec3::ZERO, normal: DVec3::Z, eye }
+        Place { position: DVec3::ZERO, normal: DVec3::Z, spread: Spread::default(), eye }
     }
 
     #[test]

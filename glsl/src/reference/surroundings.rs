@@ -1,10 +1,13 @@
 //! Twin of `surroundings`: what a surface sees of an environment, by its hemisphere and by the lobe of its roughness.
 
+use std::f64::consts::PI;
+
 use glam::{DMat3, DVec3, DVec4};
 
 use super::{
     brdf::{MIN_ALPHA, MIN_COSINE, distribution, grazing, visibility, visible_normal},
     environment::Environment,
+    moments::Spread,
 };
 use crate::layout::light::LOBE_SAMPLES;
 
@@ -37,25 +40,68 @@ pub fn seen(
         let mirrored = environment.mirror(2.0 * n.dot(v) * n - v, footprint);
         return Surroundings { diffuse, facing: mirrored, grazing: mirrored };
     };
-    let [facing, grazing] = over_lobe(environment, v, n, roughness.clamp(0.0, 1.0), footprint);
+    let [facing, grazing] = over_lobe(environment, v, roughness.clamp(0.0, 1.0), footprint, |_| (n, 0.0));
     Surroundings { diffuse, facing, grazing }
+}
+
+/// Twin of `surroundings_moments`: the same where many normals lie under the fragment, each sample with its own.
+#[must_use]
+pub fn seen_by_normals(
+    environment: &Environment,
+    position: DVec3,
+    normal: DVec3,
+    spread: &Spread,
+    eye: DVec4,
+    roughness: f64,
+    footprint: f64,
+) -> Surroundings {
+    let v = (eye.truncate() - eye.w * position).normalize();
+    let n = visible_normal(normal, v);
+    let roughness = roughness.clamp(0.0, 1.0);
+    let added = added_area(spread, (roughness * roughness).max(MIN_ALPHA));
+    let normal = |i: u32| visible_normal(sampled_normal(n, spread, i), v);
+    let [facing, grazing] = over_lobe(environment, v, roughness, footprint, |i| (normal(i), added));
+    let diffuse = (0..LOBE_SAMPLES).map(|i| environment.diffuse(normal(i))).sum::<DVec3>() / f64::from(LOBE_SAMPLES);
+    Surroundings { diffuse, facing, grazing }
+}
+
+/// Of the Gaussian of slopes (Box and Muller 1958), by a set that is even over it and over the lobe's samples together.
+fn sampled_normal(n: DVec3, spread: &Spread, i: u32) -> DVec3 {
+    let u = f64::from(i.reverse_bits()) / 2f64.powi(32) + 0.5 / f64::from(LOBE_SAMPLES);
+    let radius = (-2.0 * (1.0 - u).ln()).sqrt();
+    let (sine, cosine) = (PLASTIC_TURN * f64::from(i)).sin_cos();
+    (n + radius * (cosine * spread.major + sine * spread.minor)).normalize()
+}
+
+/// Solid angle that the normals add to what a sample fills of the mirrored lobe seen head on.
+fn added_area(spread: &Spread, alpha: f64) -> f64 {
+    let wider = [spread.major, spread.minor].map(|axis| 2.0 * axis.length_squared() + alpha * alpha);
+    4.0 * PI / f64::from(LOBE_SAMPLES) * ((wider[0] * wider[1]).sqrt() - alpha * alpha)
 }
 
 const LEAST_WEIGHT: f64 = 1e-6;
 const GOLDEN_TURN: f64 = 2.399_963_229_73;
+const PLASTIC_TURN: f64 = 4.743_036_25;
 
 /// Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
-fn over_lobe(environment: &Environment, v: DVec3, n: DVec3, roughness: f64, footprint: f64) -> [DVec3; 2] {
-    let cosine = n.dot(v).max(MIN_COSINE);
-    let side = v - cosine * n;
-    let other = if n.x.abs() < 0.7 { DVec3::X } else { DVec3::Y };
-    let x = if side.length_squared() > 1e-8 { side.normalize() } else { n.cross(other).normalize() };
-    let world_from_local = DMat3::from_cols(x, n.cross(x), n);
-    let local = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+/// `normal`: of each sample, and the solid angle that others add to what it fills.
+fn over_lobe(
+    environment: &Environment,
+    v: DVec3,
+    roughness: f64,
+    footprint: f64,
+    normal: impl Fn(u32) -> (DVec3, f64),
+) -> [DVec3; 2] {
     let alpha = (roughness * roughness).max(MIN_ALPHA);
     let (mut facing, mut grazed) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
-    for sample in (0..LOBE_SAMPLES).map(|i| lobe_sample(local, alpha, i)).filter(|sample| sample.weight > 0.0) {
-        let width = sample.width.max(footprint);
+    for i in 0..LOBE_SAMPLES {
+        let (n, added) = normal(i);
+        let (world_from_local, local) = lobe_frame(v, n);
+        let sample = lobe_sample(local, alpha, i);
+        if sample.weight <= 0.0 {
+            continue;
+        }
+        let width = (sample.width.powi(2) + local.z * added).sqrt().max(footprint);
         let light = environment.mirror(world_from_local * sample.light, width);
         let (front, rest) = (sample.weight * (1.0 - sample.fresnel), sample.weight * sample.fresnel);
         facing = (facing.0 + front * light, facing.1 + front);
@@ -64,6 +110,15 @@ fn over_lobe(environment: &Environment, v: DVec3, n: DVec3, roughness: f64, foot
     // Seen from the front, next to nothing is reflected as at grazing angles: it is lit as the rest is.
     let mean = facing.0 / f64::max(facing.1, 1e-20);
     [mean, (grazed.0 + LEAST_WEIGHT * mean) / (grazed.1 + LEAST_WEIGHT)]
+}
+
+/// A frame of the world with z along `n` and v in its xz plane, and v in it.
+fn lobe_frame(v: DVec3, n: DVec3) -> (DMat3, DVec3) {
+    let cosine = n.dot(v).max(MIN_COSINE);
+    let side = v - cosine * n;
+    let other = if n.x.abs() < 0.7 { DVec3::X } else { DVec3::Y };
+    let x = if side.length_squared() > 1e-8 { side.normalize() } else { n.cross(other).normalize() };
+    (DMat3::from_cols(x, n.cross(x), n), DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine))
 }
 
 /// What a sample stands for: light, what is reflected of it, and the radians that it fills.

@@ -122,6 +122,11 @@ fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
     if let Some(triangle) = &images.triangle {
         files.push(("triangle", png.triangle(triangle)?));
     }
+    for (name, counts) in [("overdraw", &images.overdraw), ("samples", &images.samples)] {
+        if let Some(counts) = counts {
+            files.push((name, png.counts(name, counts)?));
+        }
+    }
     Ok(files.into_iter().map(|(name, bytes)| EncodedImage { name, media_type: "image/png", bytes }).collect())
 }
 
@@ -190,6 +195,15 @@ impl Png {
         self.rgb8(triangle.iter().map(|&id| if id == u32::MAX { [0; 3] } else { hashed_color(id) }))
     }
 
+    /// Grey: white is the most, at least 4, which is in the file's text.
+    fn counts(&self, name: &str, counts: &[u32]) -> Result<Vec<u8>> {
+        let most = counts.iter().copied().fold(4, u32::max);
+        let grey = |count: &u32| ((u64::from(*count) * 510 + u64::from(most)) / (2 * u64::from(most))) as u8;
+        let text = [(format!("{name}_most"), most.to_string())];
+        let text: Vec<(&str, String)> = text.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
+        self.write(ColorType::Grayscale, BitDepth::Eight, false, &text, &counts.iter().map(grey).collect::<Vec<_>>())
+    }
+
     fn rgb8(&self, texels: impl Iterator<Item = [u8; 3]>) -> Result<Vec<u8>> {
         self.write(ColorType::Rgb, BitDepth::Eight, false, &[], &texels.flatten().collect::<Vec<_>>())
     }
@@ -238,7 +252,8 @@ fn hashed_color(id: u32) -> [u8; 3] {
     [hash, hash >> 8, hash >> 16].map(|h| 48 + (h & 0xFF) as u8 % 208)
 }
 
-/// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V (f32), triangle.id (u32).
+/// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V (f32), triangle.id, overdraw.count,
+/// samples.count (u32).
 fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Result<Vec<u8>> {
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
     let mut float = |name: &str, values: Vec<f32>| channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
@@ -262,6 +277,11 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
     if let Some(triangle) = &images.triangle {
         channels.push(AnyChannel::new("triangle.id", FlatSamples::U32(triangle.clone())));
     }
+    for (name, counts) in [("overdraw.count", &images.overdraw), ("samples.count", &images.samples)] {
+        if let Some(counts) = counts {
+            channels.push(AnyChannel::new(name, FlatSamples::U32(counts.clone())));
+        }
+    }
     let mut attributes = LayerAttributes::named("displace");
     attributes.software_name = Some(Text::from("displace"));
     if let Some(matrix) = images.clip_from_world {
@@ -271,7 +291,7 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
     let size = (images.width as usize, images.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
-    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
+    let written = Image::from_layer(layer).write().to_buffered(&mut bytes);
     written.map_err(|error| Error::internal("the image could not be written as EXR").with_cause(error))?;
     Ok(bytes.into_inner())
 }
@@ -290,6 +310,8 @@ mod tests {
             position: Some(vec![[1.0, 2.0, 3.0], [0.0; 3]]),
             uv: Some(vec![[0.25, 1.75], [0.0, 0.0]]),
             triangle: Some(vec![7, u32::MAX]),
+            overdraw: Some(vec![8, 0]),
+            samples: Some(vec![2, 0]),
             clip_from_world: Some(std::array::from_fn(|k| k as f32)),
             layers_left_out: false,
         }
@@ -315,10 +337,12 @@ mod tests {
     fn each_further_output_is_a_file_of_its_own() {
         let files = encode(&two_pixels(), ImageFormat::Png).unwrap();
         let names: Vec<_> = files.iter().map(|f| f.name).collect();
-        assert_eq!(names, ["color", "depth", "normal", "position", "uv", "triangle"]);
+        assert_eq!(names, ["color", "depth", "normal", "position", "uv", "triangle", "overdraw", "samples"]);
         assert_eq!(decode(&files[1].bytes).1, [0, 1, 0, 0]);
         assert_eq!(decode(&files[2].bytes).1, [128, 128, 255, 0, 0, 0]);
         assert_eq!(decode(&files[4].bytes).1[..2], [64, 191]);
+        assert_eq!(decode(&files[6].bytes).1, [255, 0]);
+        assert_eq!(decode(&files[7].bytes).1, [128, 0]);
     }
 
     #[test]
@@ -333,7 +357,8 @@ mod tests {
         assert_eq!(*channel("triangle.id"), FlatSamples::U32(vec![7, u32::MAX]));
         assert_eq!(*channel("Z"), FlatSamples::F32(vec![1.5, f32::INFINITY]));
         assert_eq!(*channel("B"), FlatSamples::F32(vec![1.0, 2.0]));
-        assert_eq!(channels.len(), 14);
+        assert_eq!(*channel("overdraw.count"), FlatSamples::U32(vec![8, 0]));
+        assert_eq!(channels.len(), 16);
         let matrix = image.layer_data[0].attributes.other.get(&Text::from(CLIP_FROM_WORLD));
         assert_eq!(matrix, Some(&AttributeValue::Matrix4x4(std::array::from_fn(|k| k as f32))));
     }

@@ -7,11 +7,12 @@ mod plan;
 
 use std::sync::Arc;
 
-use displace_glsl::layout::raster::MAP_SLOTS;
+use displace_glsl::layout::raster::{MAP_NORMAL_MOMENTS, MAP_SLOTS};
 use glam::DMat4;
 
 use super::{
     detail::Wrap,
+    projection::{Projection, ProjectionBox},
     request::{Aov, Shadows},
 };
 
@@ -45,6 +46,7 @@ pub struct RenderScene {
     pub shading: Shading,
     pub shadows: Shadows,
     pub filter: Filter,
+    pub projection: Projection,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -70,6 +72,8 @@ impl RenderScene {
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
             has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
+            has_moments: self.has_map(MAP_NORMAL_MOMENTS),
+            is_projected: self.projection != Projection::Uv,
             map_slots: (0..MAP_SLOTS).filter(|slot| self.has_map(*slot)).count() as u32,
             has_formulas: self.materials.iter().any(|material| !material.bump.formulas.is_empty()),
             aovs: self.aovs.clone(),
@@ -110,6 +114,8 @@ pub struct RenderMesh {
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// (first triangle, index into `materials`), ascending; covers all triangles.
     pub material_of_triangles: Vec<(u32, u32)>,
+    /// Of the mesh before it is displaced.
+    pub projection_box: ProjectionBox,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -130,7 +136,8 @@ pub struct RenderMaterial {
     pub emissive_factor: [f32; 3],
     pub normal_scale: f32,
     pub occlusion_strength: f32,
-    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1]; what details hold, `bump` says.
+    /// By `MAP_BASE_COLOR` and its siblings. Normal maps hold vectors, [-1, 1], or slopes where there are moments; what
+    /// details hold, `bump` says.
     pub maps: [Option<RenderMap>; MAP_SLOTS],
     pub bump: RenderBump,
     pub double_sided: bool,
@@ -188,6 +195,10 @@ pub struct ImageSet {
     pub uv: Option<Vec<[f32; 2]>>,
     /// Triangle number over all instances in order; `u32::MAX` where nothing is.
     pub triangle: Option<Vec<u32>>,
+    /// How often samples of the pixel were covered, before depth and alpha decided.
+    pub overdraw: Option<Vec<u32>>,
+    /// Triangles that the pixel's samples show, each counted once.
+    pub samples: Option<Vec<u32>>,
     /// Of the camera, column-major.
     pub clip_from_world: Option<[f32; 16]>,
     /// In some places more blended surfaces lie one behind the other than are shown.

@@ -10,43 +10,138 @@ use super::{
     Error, Result,
     detail::Wrap,
     maps,
+    request::LookMap,
     scene::{Material, Scene, SceneImage, TextureUse},
 };
 
 pub use normal::replace_normals;
 pub use opacity::replace_opacity;
 
-/// Makes `image` (an encoded PNG or JPEG) the base colour map of every material, and gives primitives
-/// without a material one that has it.
-pub fn replace_base_color(scene: &mut Scene, image: Bytes) -> Result<()> {
-    let media_type = media_type(&image)?;
+impl LookMap {
+    fn field(self) -> &'static str {
+        match self {
+            Self::BaseColor => "base_color",
+            Self::MetallicRoughness => "metallic_roughness",
+            Self::Occlusion => "occlusion",
+            Self::Emissive => "emissive",
+        }
+    }
+
+    fn noun(self) -> &'static str {
+        match self {
+            Self::BaseColor => "a base colour map",
+            Self::MetallicRoughness => "a metallic-roughness map",
+            Self::Occlusion => "an occlusion map",
+            Self::Emissive => "an emissive map",
+        }
+    }
+
+    /// Where a material of the document says which texture it has.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::BaseColor => &["pbrMetallicRoughness", "baseColorTexture"],
+            Self::MetallicRoughness => &["pbrMetallicRoughness", "metallicRoughnessTexture"],
+            Self::Occlusion => &["occlusionTexture"],
+            Self::Emissive => &["emissiveTexture"],
+        }
+    }
+
+    fn of(self, material: &mut Material) -> &mut Option<TextureUse> {
+        match self {
+            Self::BaseColor => &mut material.base_color,
+            Self::MetallicRoughness => &mut material.metallic_roughness,
+            Self::Occlusion => &mut material.occlusion,
+            Self::Emissive => &mut material.emissive,
+        }
+    }
+}
+
+/// Makes `image` (an encoded PNG or JPEG) this map of every material, and gives primitives without a material one that has
+/// it. Factors go on to multiply, but for those of 0, which would hide the map: they become 1. Fails where a mesh lacks
+/// texture coordinates, if these are read.
+pub fn replace_map(scene: &mut Scene, map: LookMap, image: Bytes, reads_uvs: bool) -> Result<()> {
+    let media_type = media_type(map.field(), &image)?;
     // A file that nobody can show must not get into a result.
-    maps::color_map("base_color", &image)?;
-    require_uvs(scene, "base_color", "a base colour map")?;
+    maps::color_map(map.field(), &image)?;
+    if reads_uvs {
+        require_uvs(scene, map.field(), map.noun())?;
+    }
     let texture = add_texture(scene, media_type, &image)?;
-    add_plain_material(scene, "base color")?;
+    add_plain_material(scene, &map.field().replace('_', " "))?;
     for material in scene.document.get_mut("materials").and_then(Value::as_array_mut).into_iter().flatten() {
-        *base_color_texture(material)? = Map::from_iter([("index".into(), json!(texture))]);
+        *texture_info(material, map)? = Map::from_iter([("index".into(), json!(texture))]);
+        show_factors(material, map)?;
     }
     let index = scene.images.len();
     scene.images.push(SceneImage { media_type: media_type.into(), bytes: Some(image.to_vec().into()) });
-    for material in &mut scene.materials {
-        material.base_color = Some(TextureUse {
+    for m in 0..scene.materials.len() {
+        let strength = emissive_strength(scene, m);
+        let material = &mut scene.materials[m];
+        *map.of(material) = Some(TextureUse {
             image: index,
             uv_set: 0,
             wrap: [Wrap::Repeat; 2],
             map_from_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         });
+        show_known_factors(material, map, strength);
     }
     Ok(())
 }
 
-fn media_type(image: &[u8]) -> Result<&'static str> {
+/// Of KHR_materials_emissive_strength.
+fn emissive_strength(scene: &Scene, material: usize) -> f32 {
+    let path = format!("/materials/{material}/extensions/KHR_materials_emissive_strength/emissiveStrength");
+    scene.document.pointer(&path).and_then(Value::as_f64).map_or(1.0, |strength| strength.max(0.0) as f32)
+}
+
+/// In the document.
+fn show_factors(material: &mut Value, map: LookMap) -> Result<()> {
+    let object = material.as_object_mut().ok_or_else(malformed)?;
+    match map {
+        LookMap::BaseColor | LookMap::Occlusion => {}
+        LookMap::MetallicRoughness => {
+            let pbr = object.get_mut("pbrMetallicRoughness").and_then(Value::as_object_mut).ok_or_else(malformed)?;
+            for key in ["metallicFactor", "roughnessFactor"] {
+                if pbr.get(key).and_then(Value::as_f64) == Some(0.0) {
+                    pbr.insert(key.into(), json!(1.0));
+                }
+            }
+        }
+        LookMap::Emissive => {
+            let factor = object.get("emissiveFactor").and_then(Value::as_array);
+            if factor.is_none_or(|factor| factor.iter().all(|c| c.as_f64() == Some(0.0))) {
+                object.insert("emissiveFactor".into(), json!([1.0, 1.0, 1.0]));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// As `show_factors`, in what is known of the material.
+fn show_known_factors(material: &mut Material, map: LookMap, emissive_strength: f32) {
+    match map {
+        LookMap::BaseColor => {}
+        // It lies in what the map replaces.
+        LookMap::Occlusion => material.occlusion_strength = 1.0,
+        LookMap::MetallicRoughness => {
+            for factor in [&mut material.metallic_factor, &mut material.roughness_factor] {
+                *factor = if *factor == 0.0 { 1.0 } else { *factor };
+            }
+        }
+        LookMap::Emissive => {
+            if material.emissive_factor == [0.0; 3] {
+                material.emissive_factor = [emissive_strength; 3];
+            }
+        }
+    }
+}
+
+fn media_type(field: &str, image: &[u8]) -> Result<&'static str> {
     match image {
         [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
         [0xff, 0xd8, ..] => Ok("image/jpeg"),
         _ => Err(Error::invalid(
-            "base_color",
+            field,
             "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it",
         )),
     }
@@ -60,7 +155,7 @@ fn require_uvs(scene: &Scene, field: &str, map: &str) -> Result<()> {
                 return Err(Error::invalid(
                     field,
                     format!(
-                        "mesh '{}' primitive {} has no TEXCOORD_0, which {map} reads: unwrap the mesh, or leave the map out",
+                        "mesh '{}' primitive {} has no TEXCOORD_0, which {map} reads: unwrap the mesh, project the map (--projection, in images), or leave it out",
                         mesh.name, primitive.gltf_primitive
                     ),
                 ));
@@ -90,10 +185,10 @@ fn add_plain_material(scene: &mut Scene, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Where a material of the document says which texture its base colour has; made where it says nothing.
-fn base_color_texture(material: &mut Value) -> Result<&mut Map<String, Value>> {
+/// Where a material of the document says which texture its map has; made where it says nothing.
+fn texture_info(material: &mut Value, map: LookMap) -> Result<&mut Map<String, Value>> {
     let mut at = material;
-    for key in ["pbrMetallicRoughness", "baseColorTexture"] {
+    for &key in map.keys() {
         let object = at.as_object_mut().ok_or_else(malformed)?;
         at = object.entry(key).or_insert_with(|| Value::Object(Map::new()));
     }

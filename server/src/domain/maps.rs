@@ -5,12 +5,14 @@
 mod bumps;
 mod color;
 mod float_tiff;
+mod moments;
 mod pixels;
 mod resolve;
 mod slopes;
 
 pub use bumps::resolve_bumps;
 pub use color::{Encoding, color_map, texture_map};
+pub use moments::SlopeMaps;
 pub use pixels::{Pixels, decode};
 pub use resolve::{AssetBytes, Details, resolve};
 

@@ -4,11 +4,13 @@
 //! requests give equal bytes.
 
 mod geometry;
+mod maps;
 
 pub use displace_glsl::methods::Method;
 pub use geometry::{
     Allowed, Base, ErrorAt, Geometry, Normals, Quality, Refinement, SeamRule, Tolerance, ToleranceView,
 };
+pub use maps::{LookMap, LookMaps};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -54,10 +56,7 @@ pub struct DisplaceRequest {
     pub details: Vec<MaterialDetail>,
     pub method: Method,
     pub geometry: Geometry,
-    /// Replaces the base colour map of every material, in images and in the result.
-    pub base_color: Option<Digest>,
-    /// Replaces the alpha of every material, in images and in the result.
-    pub opacity: Option<Digest>,
+    pub maps: LookMaps,
     pub compression: Compression,
     /// Levels of detail: 1, the result alone, to [`lods::MOST`](super::lods::MOST).
     pub lods: u32,
@@ -80,8 +79,7 @@ impl DisplaceRequest {
     pub fn assets(&self) -> Vec<Digest> {
         let maps = self.details.iter().flat_map(|detail| &detail.layers).flat_map(|layer| layer.source.assets());
         let resources = self.resources.iter().map(|(_, asset)| *asset);
-        let looks = self.base_color.into_iter().chain(self.opacity);
-        let mut assets: Vec<Digest> = resources.chain(maps).chain([self.mesh]).chain(looks).collect();
+        let mut assets: Vec<Digest> = resources.chain(maps).chain([self.mesh]).chain(self.maps.assets()).collect();
         assets.sort_unstable();
         assets.dedup();
         assets
@@ -97,6 +95,8 @@ pub struct RenderRequest {
     pub look: Look,
     pub aovs: Vec<Aov>,
     pub format: ImageFormat,
+    /// A pixel of which a picture is made on the map that it shows.
+    pub preimage: Option<[u32; 2]>,
     /// Rays a pixel; none where the renderer's own samples of visibility do.
     pub samples: Option<u32>,
 }
@@ -191,6 +191,11 @@ pub enum SourceRequest {
 }
 
 impl SourceRequest {
+    #[must_use]
+    pub fn is_normal(&self) -> bool {
+        matches!(self, Self::Normal { .. })
+    }
+
     fn assets(&self) -> Vec<Digest> {
         match self {
             Self::Height { map, .. } | Self::Vector { map, .. } | Self::Normal { map, .. } => vec![map.asset],
@@ -277,6 +282,8 @@ pub struct Look {
     pub shadows: Shadows,
     /// Equirectangular map of radiance.
     pub environment: Option<Digest>,
+    /// Whether slopes of normal maps are filtered with their second moments.
+    pub moments: bool,
 }
 
 /// Whether surfaces take each other's light.
@@ -295,6 +302,18 @@ pub enum Aov {
     Position,
     Uv,
     Triangle,
+    /// How often samples of a pixel are covered.
+    Overdraw,
+    /// Triangles that a pixel's samples show.
+    Samples,
+}
+
+impl Aov {
+    /// Whether it tells of the rasteriser rather than of the scene, so that rays have no answer.
+    #[must_use]
+    pub fn is_of_rasteriser(self) -> bool {
+        matches!(self, Self::Overdraw | Self::Samples)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]

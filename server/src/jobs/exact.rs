@@ -17,6 +17,7 @@ use crate::{
         Result, camera,
         image::{RenderCamera, RenderInstance},
         mesh::{Attribute, Mesh},
+        projection::ProjectionBox,
         request::RenderRequest,
         scene::Scene,
         weld::mikk_tangents,
@@ -40,7 +41,9 @@ const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
     let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps);
-    let materials = looks::materials(&mut inputs.scene, &sets, &inputs.bumps, request.look.alpha)?;
+    let projection = request.surface.maps.projection;
+    let shown = looks::Shown { alpha: request.look.alpha, projection, moments: false };
+    let materials = looks::materials(&mut inputs.scene, &sets, &inputs.bumps, shown)?;
     let scene = &inputs.scene;
     let choice = SeamChoice::from(&request.surface.geometry);
     let pairs = scene.meshes.iter().zip(&inputs.details);
@@ -69,6 +72,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
         camera,
         lighting: looks::lighting(&request.look, scene, looks::environment(&request.look, context.assets)?),
         shading: request.look.shading,
+        projection: request.surface.maps.projection,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })
@@ -182,6 +186,7 @@ fn oracle_mesh(
     let residual = f64::from(dicing.residual.iter().copied().fold(0.0, f32::max));
     made.residual_world = residual * enlarged.fold(0.0, f64::max);
     made.tangents = Arc::new(tangents(inputs, sets, mesh, &made)?);
+    made.projection_box = ProjectionBox::of(base.gv_position.iter().copied());
     Ok(made)
 }
 

@@ -13,6 +13,7 @@ use crate::domain::{
     environment::Environment,
     image::{RenderInstance, RenderMesh, RenderScene},
     mesh::{Mesh, Primitive},
+    projection::{Projection, ProjectionBox},
     report::Warning,
     request::RenderRequest,
     scene::{Material, Scene},
@@ -20,21 +21,25 @@ use crate::domain::{
     weld::mikk_tangents,
 };
 
-/// Consumes the surfaces: their streams become the renderer's without a copy.
+/// Consumes the surfaces: their streams become the renderer's without a copy. `moments`: with those of slopes.
 pub(super) fn render_scene(
     request: &RenderRequest,
     scene: &mut Scene,
     bumps: &Bumps,
     surfaces: Vec<Surface>,
     environment: Option<Arc<Environment>>,
+    moments: bool,
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials, bumps);
-    let materials = looks::materials(scene, &sets, bumps, request.look.alpha)?;
+    let projection = request.surface.maps.projection;
+    let shown = looks::Shown { alpha: request.look.alpha, projection, moments };
+    let materials = looks::materials(scene, &sets, bumps, shown)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();
-        meshes.push(render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, &mut warnings)?);
+        let mesh = render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, projection, &mut warnings)?;
+        meshes.push(mesh);
         scene.warnings.extend(warnings);
     }
     let instances = scene.instances.iter();
@@ -47,6 +52,7 @@ pub(super) fn render_scene(
         shading: request.look.shading,
         shadows: request.look.shadows,
         filter: request.look.filter,
+        projection,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })
@@ -73,11 +79,16 @@ fn render_mesh(
     (materials, bumps): (&[Material], &Bumps),
     sets: &UvSets,
     mut surface: Surface,
+    projection: Projection,
     warnings: &mut Vec<Warning>,
 ) -> Result<RenderMesh> {
     let uvs = uvs(mesh, sets, &surface);
     let colors = colors(mesh, &surface);
-    let tangents = tangents(mesh, (materials, bumps), &surface, warnings)?;
+    // Projections have frames of their own.
+    let tangents = match projection {
+        Projection::Uv => tangents(mesh, (materials, bumps), &surface, warnings)?,
+        _ => Vec::new(),
+    };
     let material_of_triangles = mesh
         .primitives
         .iter()
@@ -94,6 +105,7 @@ fn render_mesh(
         colors: Arc::new(colors),
         triangles: Arc::new(std::mem::take(&mut surface.triangles)),
         material_of_triangles,
+        projection_box: ProjectionBox::of(mesh.gv_position.iter().copied()),
     })
 }
 

@@ -16,6 +16,7 @@ use crate::{
         detail::{Detail, LayerSource},
         gltf, look, maps,
         mesh::Mesh,
+        projection::Projection,
         report::{Estimate, PassTime, Report},
         request::{Base, Compression, DisplaceRequest, Method},
         scene::Scene,
@@ -50,11 +51,12 @@ impl Inputs {
         let mut scene =
             timed(job.progress, "read_gltf", &mut passes, || scene(assets, &request.mesh, &request.resources))?;
         levels::check(&scene, request.lods)?;
-        if let Some(digest) = &request.base_color {
-            look::replace_base_color(&mut scene, assets.read(digest)?)?;
+        let reads_uvs = request.maps.projection == Projection::Uv;
+        for (map, digest) in request.maps.replaced() {
+            look::replace_map(&mut scene, map, assets.read(&digest)?, reads_uvs)?;
         }
-        if let Some(digest) = &request.opacity {
-            look::replace_opacity(&mut scene, &assets.read(digest)?)?;
+        if let Some(digest) = &request.maps.opacity {
+            look::replace_opacity(&mut scene, &assets.read(digest)?, reads_uvs)?;
         }
         job.cancel.check()?;
         let bumps = timed(job.progress, "decode_bumps", &mut passes, || bumps::load(assets, &mut scene, request))?;

@@ -3,18 +3,20 @@
 use std::{collections::HashMap, sync::Arc};
 
 use displace_glsl::layout::raster::{
-    MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS,
+    MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS,
 };
 
 use super::{AssetReader, bumps};
 use crate::domain::{
     Digest, Error, Result,
     bump::Bumps,
+    detail::Wrap,
     environment::Environment,
     image::{
         AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
     },
-    maps::{self, Encoding},
+    maps::{self, Encoding, SlopeMaps},
+    projection::Projection,
     report::Warning,
     request::Look,
     scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
@@ -62,24 +64,42 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
     .filter_map(|(slot, texture, encoding)| texture.as_ref().map(|texture| (slot, texture, encoding)))
 }
 
+/// How materials are shown.
+#[derive(Clone, Copy)]
+pub(super) struct Shown {
+    pub(super) alpha: AlphaMode,
+    pub(super) projection: Projection,
+    /// Slopes and their products take the place of normals.
+    pub(super) moments: bool,
+}
+
 /// The scene's materials, then one for primitives without.
 pub(super) fn materials(
     scene: &mut Scene,
     sets: &UvSets,
     bumps: &Bumps,
-    alpha: AlphaMode,
+    shown: Shown,
 ) -> Result<Vec<RenderMaterial>> {
-    let mut images = Images { decoded: HashMap::new(), texels: 0 };
+    let Shown { alpha, projection, moments } = shown;
+    // Around a sphere a map goes on at its seam, and ends at the poles.
+    let wrap = projection.is_sphere().then_some([Wrap::Repeat, Wrap::Clamp]);
+    let mut images = Images { decoded: HashMap::new(), slopes: HashMap::new(), texels: 0 };
     let mut materials = Vec::new();
     for material in scene.materials.clone().iter().chain([&Material::default()]) {
         let mut maps: [Option<RenderMap>; MAP_SLOTS] = Default::default();
         for (slot, texture, encoding) in textures(material) {
             maps[slot] = images.read(scene, texture.image, encoding)?.map(|map| RenderMap {
                 map,
-                uv_channel: sets.channel(texture.uv_set),
+                // A projection is all the coordinates there are.
+                uv_channel: if projection == Projection::Uv { sets.channel(texture.uv_set) } else { 0 },
                 map_from_uv: texture.map_from_uv,
-                wrap: texture.wrap,
+                wrap: wrap.unwrap_or(texture.wrap),
             });
+        }
+        if moments && let (Some(texture), Some(normals)) = (&material.normal, maps[MAP_NORMAL].clone()) {
+            let [slopes, moments] = images.slopes(texture.image, &normals)?;
+            maps[MAP_NORMAL_MOMENTS] = Some(RenderMap { map: moments, ..normals.clone() });
+            maps[MAP_NORMAL] = Some(RenderMap { map: slopes, ..normals });
         }
         materials.push(render_material(material, maps, alpha));
     }
@@ -90,6 +110,8 @@ pub(super) fn materials(
 /// What has been decoded; an image that two encodings read is two maps.
 struct Images {
     decoded: HashMap<(usize, Encoding), Option<Arc<ColorMap>>>,
+    /// Slopes and their moments of normal maps.
+    slopes: HashMap<(usize, [Wrap; 2]), [Arc<ColorMap>; 2]>,
     texels: usize,
 }
 
@@ -99,13 +121,30 @@ impl Images {
             return Ok(known.clone());
         }
         let map = of_file(scene, image, encoding);
-        self.texels += map.as_ref().map_or(0, |map| map.texels.len());
+        self.count(map.as_ref().map_or(0, |map| map.texels.len()))?;
+        self.decoded.insert((image, encoding), map.clone());
+        Ok(map)
+    }
+
+    fn slopes(&mut self, image: usize, normals: &RenderMap) -> Result<[Arc<ColorMap>; 2]> {
+        let key = (image, normals.wrap);
+        if let Some(known) = self.slopes.get(&key) {
+            return Ok(known.clone());
+        }
+        self.count(2 * normals.map.texels.len())?;
+        let SlopeMaps { slopes, moments } = SlopeMaps::of_normals(&normals.map, normals.wrap);
+        let maps = [slopes, moments].map(Arc::new);
+        self.slopes.insert(key, maps.clone());
+        Ok(maps)
+    }
+
+    fn count(&mut self, texels: usize) -> Result<()> {
+        self.texels += texels;
         if self.texels > MOST_TEXELS {
             let message = format!("the materials' maps have more than {MOST_TEXELS} texels: use smaller maps");
             return Err(Error::too_large("images", message));
         }
-        self.decoded.insert((image, encoding), map.clone());
-        Ok(map)
+        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! The job that makes images: as `displace` up to the surface, then render and encode.
 
-use displace_glsl::reference::composite::MAX_LAYERS;
+use displace_glsl::{layout::raster::MAP_BASE_COLOR, reference::composite::MAX_LAYERS};
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, bumps, exact, fits, images, inputs,
@@ -11,12 +11,13 @@ use crate::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting},
+        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderMaterial, RenderScene},
+        projection::Projection,
         report::{Estimate, PassTime, Report, Warning},
-        request::{ImageFormat, RenderRequest, Shadows},
+        request::{Aov, ImageFormat, RenderRequest, Shadows},
     },
     oracle::{self, image::Exposure},
-    render::{Executor, JobContext},
+    render::{Executor, JobContext, reference_image::preimage},
 };
 
 /// Host bytes of a pixel while it is resolved and encoded: linear RGBA f32, and AOVs of up to three f32.
@@ -54,7 +55,7 @@ impl Work for RenderWork {
         inputs.count(&mut report);
         let exact = request.surface.geometry.is_exact();
         let take = if exact { Self::take_exactly } else { Self::take };
-        let Taken { images, settings, mut passes } = take(self, context, &mut inputs, &mut report)?;
+        let Taken { images, settings, mut passes, preimage } = take(self, context, &mut inputs, &mut report)?;
         let encode = || encode::encode_with(&images, request.format, Some(&settings));
         let files = inputs::timed(context.progress, "encode", &mut passes, encode)?;
         report.warnings = inputs.scene.warnings;
@@ -68,7 +69,12 @@ impl Work for RenderWork {
             media_type: file.media_type.into(),
             bytes: file.bytes.into(),
         });
-        Ok(WorkOutput { report, outputs: outputs.collect() })
+        let preimage = preimage.map(|png| Output {
+            name: "preimage.png".into(),
+            media_type: "image/png".into(),
+            bytes: png.into(),
+        });
+        Ok(WorkOutput { report, outputs: outputs.chain(preimage).collect() })
     }
 }
 
@@ -77,6 +83,8 @@ struct Taken {
     images: ImageSet,
     settings: ImageSettings,
     passes: Vec<PassTime>,
+    /// As PNG.
+    preimage: Option<Vec<u8>>,
 }
 
 impl RenderWork {
@@ -100,18 +108,29 @@ impl RenderWork {
         context.cancel.check()?;
         let decode = || {
             let environment = looks::environment(&request.look, context.assets)?;
-            images::render_scene(request, &mut inputs.scene, &inputs.bumps, surfaces, environment)
+            // Rays show every normal.
+            let traces = request.rays().is_some() && context.executor.traces_rays();
+            let moments = request.look.moments && !traces;
+            images::render_scene(request, &mut inputs.scene, &inputs.bumps, surfaces, environment, moments)
         };
-        let scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
+        let mut scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
+        if request.preimage.is_some() && !scene.aovs.contains(&Aov::Triangle) {
+            scene.aovs.push(Aov::Triangle);
+        }
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
-        let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
+        refuse_projected_shadows(&plan, &scene)?;
+        let (mut images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         inputs::add_times(&mut passes, times);
         if images.layers_left_out {
             inputs.scene.warnings.push(layers_left_out());
         }
+        let preimage = request.preimage.map(|pixel| drawn(pixel, &plan, &scene, &images)).transpose()?;
+        if !request.aovs.contains(&Aov::Triangle) {
+            images.triangle = None;
+        }
         let samples = plan.rays.map_or(plan.samples * plan.supersample.pow(2), |rays| rays.samples);
         let settings = self.settings(samples, scene.lighting.clone(), 0.0, context.executor);
-        Ok(Taken { images, settings, passes })
+        Ok(Taken { images, settings, passes, preimage })
     }
 
     /// Of the surface itself.
@@ -127,7 +146,7 @@ impl RenderWork {
         let trace = || oracle::image::render(&scene, &exposure, context.cancel, context.progress);
         let images = inputs::timed(context.progress, "image", &mut passes, trace)?;
         let settings = self.settings(rays.samples, scene.lighting.clone(), scene.residual_world(), context.executor);
-        Ok(Taken { images, settings, passes })
+        Ok(Taken { images, settings, passes, preimage: None })
     }
 
     fn settings(
@@ -143,6 +162,28 @@ impl RenderWork {
     }
 }
 
+/// Rays towards lights read cut-outs at texture coordinates.
+fn refuse_projected_shadows(plan: &ImagePlan, scene: &RenderScene) -> Result<()> {
+    let cuts = |material: &RenderMaterial| material.alpha.cutoff() > 0.0 && material.maps[MAP_BASE_COLOR].is_some();
+    let reads = scene.projection != Projection::Uv && scene.shadows == Shadows::Ray;
+    if !reads || plan.rays.is_some() || !scene.materials.iter().any(cuts) {
+        return Ok(());
+    }
+    let message = "some materials have holes where their map is transparent, and shadows by rays see these at texture coordinates alone: take shadows none, or samples on the device reference";
+    Err(Error::unsupported("surface.look.projection", message))
+}
+
+/// A pixel on the map that it shows.
+fn drawn(pixel: [u32; 2], plan: &ImagePlan, scene: &RenderScene, images: &ImageSet) -> Result<Vec<u8>> {
+    let [x, y] = pixel;
+    let place = y as usize * images.width as usize + x as usize;
+    let seen = images.triangle.as_ref().map(|triangles| triangles[place]);
+    let Some(triangle) = seen.filter(|triangle| *triangle != u32::MAX) else {
+        return Err(Error::invalid("preimage", format!("pixel {x},{y} shows nothing: choose one on the surface")));
+    };
+    preimage(plan, scene, pixel, triangle)?.draw()
+}
+
 fn layers_left_out() -> Warning {
     let message = format!(
         "in places more than {MAX_LAYERS} blended surfaces lie one behind the other, and those farther away are not shown: --alpha stochastic or mask shows all"
@@ -150,7 +191,7 @@ fn layers_left_out() -> Warning {
     Warning::new("layers_left_out", message)
 }
 
-/// The image's plan as far as it is known, its base colour maps excepted: before the work, of what the surfaces have
+/// The image's plan as far as it is known, its maps excepted: before the work, of what the surfaces have
 /// at least. Refuses what can be refused by it.
 fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
     camera::check(&request.camera, &inputs.scene)?;
@@ -174,15 +215,33 @@ fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Resu
 /// A device that traces takes samples as rays; others make a finer image and average it.
 fn with_samples(plan: ImagePlan, request: &RenderRequest, context: &WorkContext<'_>) -> Result<ImagePlan> {
     match (request.rays(), request.samples) {
-        (Some(rays), _) if context.executor.traces_rays() => Ok(ImagePlan { rays: Some(rays), ..plan }),
+        (Some(rays), _) if context.executor.traces_rays() => {
+            refuse_counts(request)?;
+            Ok(ImagePlan { rays: Some(rays), ..plan })
+        }
         (_, Some(samples)) => plan.with_samples(samples),
         _ => Ok(plan),
     }
 }
 
+/// Rays cover nothing that could be counted.
+fn refuse_counts(request: &RenderRequest) -> Result<()> {
+    let Some(n) = request.aovs.iter().position(|aov| aov.is_of_rasteriser()) else { return Ok(()) };
+    let message =
+        format!("{:?} tells of the rasteriser, and this image is traced: leave it or the samples out", request.aovs[n]);
+    Err(Error::unsupported(format!("aovs[{n}]"), message))
+}
+
 /// Before any work: the surface itself is seen by rays, and not every device traces.
 fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
-    if !request.surface.geometry.is_exact() || executor.traces_rays() {
+    if !request.surface.geometry.is_exact() {
+        return Ok(());
+    }
+    if request.preimage.is_some() {
+        let message = "is of triangles, and the surface itself has none: leave it out, or geometry.exact";
+        return Err(Error::unsupported("preimage", message));
+    }
+    if executor.traces_rays() {
         return Ok(());
     }
     let device = executor.device_name();

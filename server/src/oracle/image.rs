@@ -27,6 +27,7 @@ mod environment;
 mod lobe;
 mod material;
 mod phong;
+mod projection;
 mod quadrature;
 mod sampling;
 mod scene;

@@ -6,6 +6,7 @@ pub(crate) mod coverage;
 pub mod environment;
 mod layers;
 pub(crate) mod light;
+mod projected;
 pub(crate) mod shading;
 mod streams;
 pub(crate) mod tables;
@@ -55,6 +56,9 @@ pub fn render(
     let slabs = slabs(&fine);
     for (done, slab) in slabs.iter().enumerate() {
         visibility::fill(&mut run, &frame, *slab, done == 0)?;
+        if scene.aovs.contains(&Aov::Overdraw) {
+            visibility::count(&mut run, &frame, *slab)?;
+        }
         if tables.has_layers {
             images.layers_left_out |= layers::shade(&mut run, &frame, *slab)?;
         }
@@ -140,6 +144,8 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
         position: wants(Aov::Position).then(|| vec![[0.0; 3]; pixels]),
         uv: wants(Aov::Uv).then(|| vec![[0.0; 2]; pixels]),
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
+        overdraw: wants(Aov::Overdraw).then(|| vec![0; pixels]),
+        samples: wants(Aov::Samples).then(|| vec![0; pixels]),
         clip_from_world: Some(scene.camera.clip_from_world()),
         layers_left_out: false,
     }

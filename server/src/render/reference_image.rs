@@ -5,6 +5,8 @@ mod bump;
 mod layers;
 mod light;
 mod place;
+mod preimage;
+mod projected;
 mod shading;
 
 use displace_glsl::{
@@ -47,6 +49,7 @@ use super::{
 use layers::{NOTHING, Samples, Seen, distinct};
 use light::LightModel;
 use place::Place;
+pub use preimage::preimage;
 use shading::{Hit, Shader};
 
 /// Pixel rows whose triangles are listed together.
@@ -121,12 +124,16 @@ struct Pixel {
     color: DVec3,
     hit: Option<(u32, Hit)>,
     depth: f64,
+    /// How often its samples are covered, and how many triangles they show.
+    counts: [u32; 2],
     layers_left_out: bool,
 }
 
 impl Pixel {
     fn store(self, i: usize, images: &mut ImageSet) {
         images.layers_left_out |= self.layers_left_out;
+        set(&mut images.overdraw, i, self.counts[0]);
+        set(&mut images.samples, i, self.counts[1]);
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some((id, hit)) = self.hit else { return };
         set(&mut images.depth, i, self.depth as f32);
@@ -227,6 +234,7 @@ impl<'a> Oracle<'a> {
                     continue;
                 }
                 let (new, known) = (Seen { depth: piece.triangle.depth_at(at), id: piece.id }, &mut seen[x as usize]);
+                known.covered += 1;
                 if is_blended {
                     known.blended[s].push(new);
                 } else if new.is_before(&known.solid[s]) && self.is_kept(piece.id, [x as u32, y], s) {
@@ -268,7 +276,8 @@ impl<'a> Oracle<'a> {
         let color = seen.before(if is_open { self.light.backdrop(x, y) } else { DVec3::ZERO });
         let hit = self.shown(&shown, [x, y]);
         let depth = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| self.light.depth(hit.position));
-        Pixel { color, hit, depth, layers_left_out }
+        let counts = [samples.covered, distinct(&shown).count() as u32];
+        Pixel { color, hit, depth, counts, layers_left_out }
     }
 
     /// What the further outputs show: the triangle of most samples, unless more see none.

@@ -4,6 +4,7 @@ use displace_server::{
     domain::{
         cancel::{Cancel, NoProgress},
         image::{ImageSet, RenderScene},
+        projection::Projection,
     },
     oracle::image::{Exposure, OracleScene, render},
 };
@@ -11,6 +12,7 @@ use displace_tests::{device, meshes};
 
 use crate::raster::{
     self,
+    projection::PROJECTIONS,
     scenes::{self, Builder, pixel_camera, view_camera},
     still_life,
 };
@@ -126,4 +128,20 @@ fn parallel_rays_and_mirrored_views_are_the_renderers() {
     assert!(mean < 0.06, "{mean} apart against a background of {}", scenes::LEAK);
     let (depth, expected) = (found.depth.unwrap()[12 * 32 + 16], expected.depth.unwrap()[12 * 32 + 16]);
     assert!((depth - expected).abs() < 1e-6, "{depth} for {expected}");
+}
+
+/// Bilinear maps of some texels a pixel, so that the pixels' own sizes hardly matter: what is left is noise of 64 rays and of
+/// four samples along edges of geometry.
+#[test]
+fn projections_of_the_renderer_are_those_of_the_oracle() {
+    for projection in PROJECTIONS {
+        let mut scene = raster::projection::two_bodies(projection);
+        scene.filter = displace_server::domain::image::Filter::Bilinear;
+        let expected = traced(&scene, [96, 96], 64);
+        let mean = mean_difference(&raster::reference(&scene, 96, 96), &expected);
+        assert!(mean < 1.2e-2, "{projection:?}: {mean} apart in the mean");
+        let other = if projection == Projection::Triplanar { Projection::Box } else { Projection::Triplanar };
+        let wrong = mean_difference(&raster::reference(&RenderScene { projection: other, ..scene }, 96, 96), &expected);
+        assert!(wrong > 2.0 * mean, "{projection:?}: {wrong} apart for another one, {mean} for its own");
+    }
 }

@@ -37,7 +37,7 @@ fn with_roughness(color: [f32; 3], metallic: f32, roughness: f32) -> RenderMater
 }
 
 /// Tiles that parallel rays see, each of one material and one normal: rougher to the right, tilted more downwards,
-/// dielectrics and metals in turn.
+/// dielectrics, metals and mixtures in turn.
 fn tiles(lighting: Lighting) -> RenderScene {
     let [columns, rows] = TILES;
     let mut builder = Builder::lit(pixel_camera(columns * TILE_PX, rows * TILE_PX));
@@ -54,7 +54,7 @@ fn tiles(lighting: Lighting) -> RenderScene {
             ..RenderMesh::default()
         };
         let roughness = i as f32 / (columns - 1) as f32;
-        builder.add(mesh, with_roughness([0.9, 0.5, 0.2], ((i + j) % 2) as f32, roughness), IDENTITY);
+        builder.add(mesh, with_roughness([0.9, 0.5, 0.2], ((i + j) % 3) as f32 / 2.0, roughness), IDENTITY);
     }
     RenderScene { lighting, shading: Shading::Pbr, ..builder.finish() }
 }
@@ -125,9 +125,8 @@ fn tiles_under_surroundings_are_nearly_the_integral_over_the_sky() {
     let off = differences(&raster::reference(&scene, size()[0], size()[1]), &traced(&scene, size(), 64));
     let (worst, mean) =
         (off.iter().fold(0.0, |most: f64, off| most.max(*off)), off.iter().sum::<f64>() / off.len() as f64);
-    println!("worst {worst}, mean {mean}");
     // Lobes are seen through 32 samples, and a sun of four texels lies in some of them; the oracle's rays have noise too.
-    assert!(worst < 0.3 && mean < 0.06, "{off:?}");
+    assert!(worst < 0.15 && mean < 0.02, "{off:?}");
 }
 
 /// A torus of metal and a plane.
@@ -144,14 +143,14 @@ fn mean_difference(a: &ImageSet, b: &ImageSet) -> f64 {
 }
 
 fn assert_surroundings_agree(render: impl Fn(&RenderScene) -> ImageSet) {
-    for shading in [Shading::Pbr, Shading::Phong, Shading::Gouraud, Shading::Flat] {
+    let bounds = [(Shading::Pbr, 0.03), (Shading::Phong, 0.015), (Shading::Gouraud, 0.015), (Shading::Flat, 0.015)];
+    for (shading, bound) in bounds {
         let scene = still(shading);
         let expected = traced(&scene, [160, 120], 64);
         let light = expected.color.iter().map(|c| f64::from(c[0] + c[1] + c[2])).sum::<f64>() / 3.0 / 19_200.0;
         let mean = mean_difference(&render(&scene), &expected);
-        println!("{shading:?}: {mean} of {light}");
         // Edges are four samples, and mirrors and lobes see levels of the sky's map; the oracle's rays have noise.
-        assert!(mean < 0.03 * light, "{shading:?}: {mean} of {light}");
+        assert!(mean < bound * light, "{shading:?}: {mean} of {light}");
     }
 }
 

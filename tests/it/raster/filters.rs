@@ -149,7 +149,7 @@ fn run(filter: Filter, maps: &[Vec<Level>], places: &[Place]) -> Vec<[f32; 4]> {
         ("texels", &texels),
         ("mapped", &mapped),
     ];
-    let params = TextureParams { count: places.len() as u32, slot: 0, uv_channels: 1, footprint: 1.0 };
+    let params = TextureParams { count: places.len() as u32, slot: 0, uv_channels: 1 };
     let cancel = Cancel::default();
     let mut recorder = device.recorder(&cancel, &NoProgress);
     recorder.dispatch(shader(filter), places.len() as u64, &params, &bound).expect("records");

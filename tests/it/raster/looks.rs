@@ -34,7 +34,7 @@ fn used(map: Arc<ColorMap>) -> Option<RenderMap> {
 }
 
 /// Every kind of map.
-fn rich() -> RenderMaterial {
+pub(crate) fn rich() -> RenderMaterial {
     let mut material = RenderMaterial {
         base_color_factor: [0.9, 0.8, 0.7, 1.0],
         metallic_factor: 0.8,
@@ -54,7 +54,7 @@ fn rich() -> RenderMaterial {
 }
 
 /// A ball with every kind of map over a plane, with tangents made by hand, under a sun, a lamp and a spot.
-fn still_life() -> RenderScene {
+pub(super) fn still_life() -> RenderScene {
     let mut builder = Builder::lit(view_camera([1.5, 1.6, 3.0], [0.0, 0.0, 0.0], 45.0, 96, 96));
     let mut ball = render_mesh(&meshes::uv_sphere(24, 12));
     let corners = ball.triangles.iter().flatten().map(|&v| {
@@ -91,7 +91,7 @@ fn still_life() -> RenderScene {
 }
 
 /// A gradient with a small bright sun in it.
-fn sky() -> Environment {
+pub(super) fn sky() -> Environment {
     let (width, height) = (64u32, 32u32);
     let texel = |i: u32| {
         let (x, y) = (i % width, i / width);
@@ -102,7 +102,7 @@ fn sky() -> Environment {
 }
 
 /// Pixels where rounding decides what is seen, or whether a light is, may differ: a hundredth of them.
-fn assert_agrees(scene: &RenderScene, tolerance: f32, what: &str) {
+pub(super) fn assert_agrees(scene: &RenderScene, tolerance: f32, what: &str) {
     let (image, expected) = (render(scene, 96, 96), reference(scene, 96, 96));
     let apart = differing(&image, &expected, tolerance);
     assert!(apart <= 92, "{what}: {apart} pixels");

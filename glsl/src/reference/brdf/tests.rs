@@ -52,8 +52,8 @@ fn every_case(check: impl Fn(f64, f64)) {
 }
 
 #[test]
-fn white_metals_and_white_dielectrics_reflect_all_light_of_a_white_furnace() {
-    for metallic in [0.0, 1.0] {
+fn white_metals_and_white_dielectrics_and_their_mixtures_reflect_all_light_of_a_white_furnace() {
+    for metallic in [0.0, 0.5, 1.0] {
         every_case(|roughness, cosine| {
             let surface = white(metallic, roughness);
             let all = single(&surface, cosine, 512) + the_rest(&surface, cosine);
@@ -126,9 +126,9 @@ fn without_multiple_scattering_the_model_is_that_of_appendix_b() {
         let mask = |c: f64| 2.0 * c / (c + (squared + (1.0 - squared) * c * c).sqrt());
         // G of the appendix, 2 / (1 + L(v) + 1 + L(l)) in terms of each G1 = 2 / (1 + L).
         let g = 1.0 / (1.0 / mask(v.z) + 1.0 / mask(l.z) - 1.0);
-        let f0 = DVec3::splat(0.04).lerp(base, metallic);
-        let f = f0 + (1.0 - f0) * (1.0 - v.dot(h)).powi(5);
-        let expected = (1.0 - f) * base * (1.0 - metallic) / PI + f * d * g / (4.0 * v.z * l.z);
+        let schlick = |f0: DVec3| f0 + (1.0 - f0) * (1.0 - v.dot(h)).powi(5);
+        let (f, facets) = (schlick(DVec3::splat(0.04)), d * g / (4.0 * v.z * l.z));
+        let expected = ((1.0 - f) * base / PI + f * facets).lerp(schlick(base) * facets, metallic);
         let found = brdf(&surface, &TABLE, DVec3::Z, v, l, false);
         assert!((found - expected).abs().max_element() < 1e-12 * expected.max_element(), "{v} {l}: {found} {expected}");
     }

@@ -32,7 +32,7 @@ pub struct ImageContents {
     /// Of all instances, each counted as often as it is used.
     pub instance_vertices: u64,
     pub instance_triangles: u64,
-    /// Texels of the distinct base colour maps.
+    /// Texels of the distinct maps of all kinds.
     pub texels: u64,
     pub has_colors: bool,
     /// Of each vertex.
@@ -40,10 +40,14 @@ pub struct ImageContents {
     pub has_tangents: bool,
     /// Some material is blended.
     pub has_layers: bool,
+    /// Places are projected onto maps.
+    pub is_projected: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
     /// Lights that cast shadows by rays.
     pub shadow_lights: u32,
+    /// Some material's slopes are filtered with their moments.
+    pub has_moments: bool,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
     /// Some material's normals are bent by formulas.
@@ -129,7 +133,10 @@ impl ImageContents {
             + 16 * u64::from(self.map_slots)
             + if self.has_formulas { 8 } else { 0 }
             + 4 * u64::from(self.shadow_lights)
-            + if self.environment.is_some() { 36 } else { 0 };
+            // A point to read maps at, its frame, and what one projection shows.
+            + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
+            + if self.environment.is_some() { 36 } else { 0 }
+            + if self.has_moments { 24 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
@@ -141,7 +148,7 @@ impl Aov {
     /// Per pixel.
     fn bytes(self) -> u64 {
         match self {
-            Self::Depth | Self::Triangle => 4,
+            Self::Depth | Self::Triangle | Self::Overdraw | Self::Samples => 4,
             Self::Uv => 8,
             Self::Normal | Self::Position => 12,
         }

@@ -6,12 +6,13 @@ use std::collections::HashMap;
 use bytes::Bytes;
 use serde_json::{Value, json};
 
-use super::{add_plain_material, add_texture, base_color_texture, malformed, push, require_uvs};
+use super::{add_plain_material, add_texture, malformed, push, require_uvs, texture_info};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
     encode::encode_rgba8,
     maps::{Pixels, decode},
+    request::LookMap,
     scene::{Alpha, Scene, SceneImage, TextureUse},
 };
 
@@ -19,12 +20,15 @@ const FIELD: &str = "opacity";
 
 /// Replaces the alpha of every material's base colour, map and factor, by the alpha of `image`, or by its red where it has
 /// none; 8 bits are kept. Opaque materials become blended ones; what cuts off goes on to do so. The map is read where the
-/// material's base colour is, and is as large. Fails where it is not, and where a base colour cannot be read.
-pub fn replace_opacity(scene: &mut Scene, image: &Bytes) -> Result<()> {
+/// material's base colour is, and is as large. Fails where it is not, where a base colour cannot be read, and,
+/// if it is read at texture coordinates, where a mesh has none.
+pub fn replace_opacity(scene: &mut Scene, image: &Bytes, reads_uvs: bool) -> Result<()> {
     let map = decode(FIELD, image)?;
     let channel = if map.channels % 2 == 0 { map.channels - 1 } else { 0 };
     let opacity: Vec<u8> = map.texels([channel], |_, value| value).into_iter().map(eight_bits).collect();
-    require_uvs(scene, FIELD, "an opacity map")?;
+    if reads_uvs {
+        require_uvs(scene, FIELD, "an opacity map")?;
+    }
     add_plain_material(scene, "opacity")?;
     let mut made = HashMap::new();
     for m in 0..scene.materials.len() {
@@ -119,7 +123,7 @@ fn show(scene: &mut Scene, material: usize, texture: usize, index: usize) -> Res
     let json = scene.document.pointer_mut(&path).ok_or_else(malformed)?;
     let mode = json!(if cuts_off { "MASK" } else { "BLEND" });
     json.as_object_mut().ok_or_else(malformed)?.insert("alphaMode".into(), mode);
-    base_color_texture(json)?.insert("index".into(), json!(texture));
+    texture_info(json, LookMap::BaseColor)?.insert("index".into(), json!(texture));
     if let Some(alpha) = json.pointer_mut("/pbrMetallicRoughness/baseColorFactor/3") {
         *alpha = json!(1.0);
     }

@@ -6,7 +6,8 @@ use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
     image::{AlphaMode, Filter, LightShape, RenderLight, Shading},
-    request::{Look, Shadows},
+    projection::Projection,
+    request::{Look, LookMaps, Shadows},
 };
 
 /// Where no environment lights the scene.
@@ -17,6 +18,7 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
     let mut lighting = lighting.unwrap_or_default();
     let environment = lighting.environment.take();
     let ambient = if environment.is_some() { 0.0 } else { DEFAULT_AMBIENT };
+    let shading = shading(&join(path, "shading"), lighting.shading)?;
     Ok(Look {
         lights: lights(&join(path, "lights"), lighting.lights)?,
         ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(ambient), 0.0, 1.0)?,
@@ -25,12 +27,8 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
         },
-        shading: match known::<v1::Shading>(&join(path, "shading"), lighting.shading)? {
-            v1::Shading::Flat => Shading::Flat,
-            v1::Shading::Gouraud => Shading::Gouraud,
-            v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
-            v1::Shading::Pbr => Shading::Pbr,
-        },
+        shading,
+        moments: moments(&join(path, "moments"), lighting.moments, shading)?,
         filter: match known::<v1::Filter>(&join(path, "filter"), lighting.filter)? {
             v1::Filter::Nearest => Filter::Nearest,
             v1::Filter::Bilinear => Filter::Bilinear,
@@ -42,6 +40,49 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::AlphaMode::Mask => AlphaMode::Mask,
             v1::AlphaMode::Unspecified | v1::AlphaMode::Blend => AlphaMode::Blend,
             v1::AlphaMode::Stochastic => AlphaMode::Stochastic,
+        },
+    })
+}
+
+fn shading(path: &str, shading: i32) -> Result<Shading> {
+    Ok(match known::<v1::Shading>(path, shading)? {
+        v1::Shading::Flat => Shading::Flat,
+        v1::Shading::Gouraud => Shading::Gouraud,
+        v1::Shading::Unspecified | v1::Shading::Phong => Shading::Phong,
+        v1::Shading::Pbr => Shading::Pbr,
+    })
+}
+
+/// Phong's model has no roughness that normals could add to.
+fn moments(path: &str, moments: i32, shading: Shading) -> Result<bool> {
+    let is_on = known::<v1::Moments>(path, moments)? == v1::Moments::On;
+    if is_on && shading != Shading::Pbr {
+        let message = "is on, which the metallic-roughness model alone shows; take --shading pbr, or leave it off";
+        return Err(Error::unsupported(path, message));
+    }
+    Ok(is_on)
+}
+
+/// What the maps of materials are, and where they are read.
+pub(super) fn maps(path: &str, look: Option<v1::Look>) -> Result<LookMaps> {
+    let look = look.unwrap_or_default();
+    let map =
+        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
+    Ok(LookMaps {
+        base_color: map("base_color", look.base_color)?,
+        metallic_roughness: map("metallic_roughness", look.metallic_roughness)?,
+        occlusion: map("occlusion", look.occlusion)?,
+        emissive: map("emissive", look.emissive)?,
+        opacity: map("opacity", look.opacity)?,
+        projection: match known::<v1::Projection>(&join(path, "projection"), look.projection)? {
+            v1::Projection::Unspecified | v1::Projection::Uv => Projection::Uv,
+            v1::Projection::Sphere => Projection::Sphere,
+            v1::Projection::SphereAsPrinted => Projection::SphereAsPrinted,
+            v1::Projection::PlanarX => Projection::PlanarX,
+            v1::Projection::PlanarY => Projection::PlanarY,
+            v1::Projection::PlanarZ => Projection::PlanarZ,
+            v1::Projection::Box => Projection::Box,
+            v1::Projection::Triplanar => Projection::Triplanar,
         },
     })
 }

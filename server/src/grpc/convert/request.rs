@@ -12,9 +12,10 @@ use crate::{
     config::Config,
     domain::{
         Digest, Error, Result, lods,
+        projection::Projection,
         request::{
-            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, MeasureRequest,
-            Method, Normals, RenderRequest,
+            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, Look,
+            MeasureRequest, Method, Normals, RenderRequest,
         },
     },
 };
@@ -47,6 +48,10 @@ pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<Displ
             "the surface itself has no triangles to write: give a tolerance or uniform_level; exact is for Render";
         return Err(Error::invalid(join(path, "geometry.exact"), message));
     }
+    if parsed.maps.projection != Projection::Uv {
+        let message = "the file that Displace writes has its maps at texture coordinates alone: leave the projection for Render, or give the mesh coordinates";
+        return Err(Error::unsupported(join(path, "look.projection"), message));
+    }
     Ok(parsed)
 }
 
@@ -55,14 +60,10 @@ fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> 
     let method = method(&join(path, "method"), request.method)?;
     let details = details::parse(&join(path, "details"), request.details, method)?;
     let geometry = geometry::parse(&join(path, "geometry"), request.geometry)?;
-    let look = request.look.unwrap_or_default();
-    let map =
-        |name: &str, asset: Option<v1::Digest>| asset.map(|asset| digest(&join(path, name), Some(&asset))).transpose();
-    let base_color = map("look.base_color", look.base_color)?;
-    let opacity = map("look.opacity", look.opacity)?;
+    let maps = look::maps(&join(path, "look"), request.look)?;
     let compression = compression(&join(path, "compression"), request.compression)?;
     let lods = lods(&join(path, "lods"), request.lods, &geometry)?;
-    Ok(DisplaceRequest { mesh, resources, details, method, geometry, base_color, opacity, compression, lods })
+    Ok(DisplaceRequest { mesh, resources, details, method, geometry, maps, compression, lods })
 }
 
 fn lods(field: &str, levels: u32, geometry: &Geometry) -> Result<u32> {
@@ -106,6 +107,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     }
     let view = view::parse(&join(path, "views"), request.views, config.max_image_pixels)?;
     let look = look::parse(&join(path, "lighting"), request.lighting)?;
+    refuse_under_projection(path, &surface, &look)?;
     let aovs = aovs(&join(path, "aovs"), &request.aovs)?;
     let format = match known::<v1::ImageFormat>(&join(path, "format"), request.format)? {
         v1::ImageFormat::Unspecified | v1::ImageFormat::Png => ImageFormat::Png,
@@ -113,10 +115,39 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     };
     let samples = view::samples(&join(path, "samples"), request.samples)?;
     let View { camera, width, height } = view;
-    let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, samples };
+    let preimage = preimage(&join(path, "preimage"), request.preimage, [width, height])?;
+    let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, preimage, samples };
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
+}
+
+/// What is tied to texture coordinates goes with no other projection.
+fn refuse_under_projection(path: &str, surface: &DisplaceRequest, look: &Look) -> Result<()> {
+    if surface.maps.projection == Projection::Uv {
+        return Ok(());
+    }
+    let field = join(path, "surface.look.projection");
+    let normals = surface.details.iter().flat_map(|detail| &detail.layers).any(|layer| layer.source.is_normal());
+    if normals || matches!(surface.method, Method::Bump | Method::Normal) {
+        let message = "is not uv, and details bend normals where texture coordinates say: take --projection uv, or --method displacement";
+        return Err(Error::unsupported(field, message));
+    }
+    if look.moments {
+        let message = "is not uv, and moments are of normal maps read at texture coordinates: take --projection uv, or --moments off";
+        return Err(Error::unsupported(field, message));
+    }
+    Ok(())
+}
+
+fn preimage(field: &str, pixel: Option<v1::Pixel>, size: [u32; 2]) -> Result<Option<[u32; 2]>> {
+    let Some(v1::Pixel { x, y }) = pixel else { return Ok(None) };
+    if x < size[0] && y < size[1] {
+        return Ok(Some([x, y]));
+    }
+    let [width, height] = size;
+    let message = format!("{x},{y} is out of range; allowed are 0,0 to {},{}", width - 1, height - 1);
+    Err(Error::invalid(field, message))
 }
 
 /// Share of the diagonal.
@@ -215,6 +246,8 @@ fn aovs(path: &str, aovs: &[i32]) -> Result<Vec<Aov>> {
             v1::Aov::Position => Aov::Position,
             v1::Aov::Uv => Aov::Uv,
             v1::Aov::Triangle => Aov::Triangle,
+            v1::Aov::Overdraw => Aov::Overdraw,
+            v1::Aov::Samples => Aov::Samples,
         };
         if seen.insert(aov) { Ok(aov) } else { Err(Error::invalid(field, format!("{aov:?} is named twice"))) }
     };

@@ -31,9 +31,10 @@ pub(super) struct Microfacets {
     world_from_frame: DMat3,
     /// Towards the viewer, in the frame.
     view: DVec3,
-    f0: DVec3,
-    /// Albedo of the matter below the facets.
-    diffuse: DVec3,
+    /// Seen head on, of facets of metal.
+    base: DVec3,
+    /// Share of the metal; the rest is a dielectric.
+    metallic: f64,
     roughness: f64,
     alpha: f64,
     seen: Shares,
@@ -43,15 +44,15 @@ pub(super) struct Microfacets {
     once: f64,
 }
 
-/// Of light from everywhere, under one angle; together 1.
+/// Of light from everywhere, under one angle.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
     /// Reflected by one facet.
     once: DVec3,
     /// Reflected by more.
     more: DVec3,
-    /// Left for the matter below.
-    below: DVec3,
+    /// Left for the matter below a dielectric's facets.
+    below: f64,
 }
 
 impl Microfacets {
@@ -59,16 +60,15 @@ impl Microfacets {
     pub(super) fn new(base: DVec3, metallic: f64, roughness: f64, normal: DVec3, view: DVec3) -> Self {
         let (base, metallic) = (base.clamp(DVec3::ZERO, DVec3::ONE), metallic.clamp(0.0, 1.0));
         let roughness = roughness.clamp(LEAST_ALPHA.sqrt(), 1.0);
-        let f0 = DIELECTRIC * (1.0 - metallic) + metallic * base;
         let normal = visible(normal, view);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let world_from_frame = DMat3::from_cols(tangent, bitangent, normal);
         let view = world_from_frame.transpose() * view;
-        let none = Shares { once: DVec3::ZERO, more: DVec3::ZERO, below: DVec3::ONE };
-        let (alpha, diffuse) = (roughness * roughness, base * (1.0 - metallic));
+        let none = Shares { once: DVec3::ZERO, more: DVec3::ZERO, below: 1.0 };
+        let alpha = roughness * roughness;
         let albedo = Albedo::table();
         let mut surface =
-            Self { albedo, world_from_frame, view, f0, diffuse, roughness, alpha, seen: none, mean: none, once: 1.0 };
+            Self { albedo, world_from_frame, view, base, metallic, roughness, alpha, seen: none, mean: none, once: 1.0 };
         surface.mean = surface.shares(albedo.mean(roughness));
         surface.seen = surface.shares(albedo.at(roughness, view.z));
         let [once, around] = [surface.seen.once, surface.around()].map(DVec3::element_sum);
@@ -79,17 +79,28 @@ impl Microfacets {
     /// `cell`: of the table. Of what one facet does not let out, others reflect this much: each loses by the mean of
     /// Schlick's formula and keeps in the mean share, again and again.
     fn shares(&self, cell: DVec2) -> Shares {
-        let once = self.f0 * cell.x + cell.y;
         let kept_in = 1.0 - self.albedo.mean(self.roughness).element_sum();
-        let fresnel = self.f0 + (1.0 - self.f0) / 21.0;
-        let let_out = fresnel * fresnel * (1.0 - kept_in) / (1.0 - fresnel * kept_in);
-        let more = let_out * (1.0 - cell.element_sum()).max(0.0);
-        Shares { once, more, below: 1.0 - once - more }
+        let of = |f0: DVec3| {
+            let fresnel = f0 + (1.0 - f0) / 21.0;
+            let let_out = fresnel * fresnel * (1.0 - kept_in) / (1.0 - fresnel * kept_in);
+            (f0 * cell.x + cell.y, let_out * (1.0 - cell.element_sum()).max(0.0))
+        };
+        let ((once, more), metal) = (of(DVec3::splat(DIELECTRIC)), of(self.base));
+        Shares { once: self.mixed(once, metal.0), more: self.mixed(more, metal.1), below: 1.0 - (once + more).x }
+    }
+
+    fn mixed(&self, dielectric: DVec3, metal: DVec3) -> DVec3 {
+        (1.0 - self.metallic) * dielectric + self.metallic * metal
+    }
+
+    /// Albedo of what lies below facets, by the dielectric's share.
+    fn matter(&self) -> DVec3 {
+        self.mixed(self.base, DVec3::ZERO)
     }
 
     /// What is reflected evenly.
     fn around(&self) -> DVec3 {
-        self.seen.more + self.diffuse * self.seen.below
+        self.seen.more + self.matter() * self.seen.below
     }
 
     /// Share of light that leaves towards the viewer where it comes from everywhere alike.
@@ -113,16 +124,18 @@ impl Microfacets {
     fn by_one_facet(&self, light: DVec3) -> DVec3 {
         let facet = (self.view + light).normalize();
         let visibility = 0.5 / (light.z * self.masked(self.view.z) + self.view.z * self.masked(light.z));
-        let fresnel = self.f0 + (1.0 - self.f0) * (1.0 - self.view.dot(facet)).max(0.0).powi(5);
+        let grazed = (1.0 - self.view.dot(facet)).max(0.0).powi(5);
+        let of = |f0: DVec3| f0 + (1.0 - f0) * grazed;
+        let fresnel = self.mixed(of(DVec3::splat(DIELECTRIC)), of(self.base));
         fresnel * self.distribution(facet) * visibility
     }
 
     /// Both fall with what one facet reflects to either side, so that directions can be exchanged.
     fn by_the_rest(&self, cosine: f64) -> DVec3 {
         let lit = self.shares(self.albedo.at(self.roughness, cosine));
-        let over = |product: DVec3, mean: DVec3| product / mean.max(DVec3::splat(1e-12));
-        let more = over(self.seen.more * lit.more, self.mean.more);
-        FRAC_1_PI * (more + self.diffuse * over(self.seen.below * lit.below, self.mean.below))
+        let more = self.seen.more * lit.more / self.mean.more.max(DVec3::splat(1e-12));
+        let below = self.seen.below * lit.below / self.mean.below.max(1e-12);
+        FRAC_1_PI * (more + self.matter() * below)
     }
 
     /// A facet's normal as the viewer sees them (Heitz 2018).

@@ -4,10 +4,17 @@ use glam::{DMat3, DVec2, DVec3, DVec4};
 
 use displace_glsl::layout::raster::{MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_OCCLUSION};
 
-use super::{super::field::wrapped, bump, scene::OracleMesh, world::blend};
+use super::{
+    super::field::wrapped,
+    bump,
+    projection::{Spot, spots},
+    scene::OracleMesh,
+    world::blend,
+};
 use crate::domain::{
     detail::{Sampling, Wrap},
     image::{ColorMap, RenderMap, RenderMaterial},
+    projection::Projection,
 };
 
 /// Farther texels than this have no others between them.
@@ -21,6 +28,7 @@ pub(super) struct Corners<'m> {
     pub(super) triangle: usize,
     pub(super) weights: DVec3,
     pub(super) uv_channels: usize,
+    pub(super) projection: Projection,
 }
 
 /// What shading knows of a place.
@@ -54,8 +62,26 @@ impl Corners<'_> {
     }
 
     pub(super) fn read(&self, map: &RenderMap) -> DVec4 {
-        let uv = self.uv(map.uv_channel as usize).extend(1.0);
-        bilinear(&map.map, map.map_from_uv.map(|row| DVec3::from_array(row.map(f64::from)).dot(uv)), map.wrap)
+        match self.spots() {
+            Some(spots) => spots.iter().map(|spot| at(map, spot.uv) * spot.share).sum(),
+            None => at(map, self.uv(map.uv_channel as usize)),
+        }
+    }
+
+    /// Where maps are projected, where this place lies on them.
+    fn spots(&self) -> Option<Vec<Spot>> {
+        let place = blend(self.weights, self.vertices.map(|v| self.mesh.positions[v]));
+        let normal = |v: usize| DVec3::from_array(self.mesh.normals[v].map(f64::from));
+        spots(self.projection, &self.mesh.projection_box, place, blend(self.weights, self.vertices.map(normal)))
+    }
+
+    /// Minus the slope that a projected normal map describes, in the mesh's space.
+    fn slope(&self, map: &RenderMap, scale: f64) -> Option<DVec3> {
+        let of = |spot: &Spot| {
+            let bent = at(map, spot.uv).truncate();
+            (spot.axes[0] * bent.x + spot.axes[1] * bent.y) * (scale * spot.share / bent.z.max(1.0 / 64.0))
+        };
+        self.spots().map(|spots| spots.iter().map(of).sum())
     }
 
     fn base_color(&self, material: &RenderMaterial) -> DVec4 {
@@ -76,6 +102,12 @@ impl Corners<'_> {
     }
 }
 
+/// A map at a place in the units of texture coordinates.
+fn at(map: &RenderMap, uv: DVec2) -> DVec4 {
+    let place = map.map_from_uv.map(|row| DVec3::from_array(row.map(f64::from)).dot(uv.extend(1.0)));
+    bilinear(&map.map, place, map.wrap)
+}
+
 pub(super) fn alpha(material: &RenderMaterial, corners: &Corners<'_>) -> f64 {
     corners.base_color(material).w
 }
@@ -86,7 +118,9 @@ pub(super) fn look(m: &RenderMaterial, at: &Corners<'_>, normal: DVec3, side: f6
     let surface = read(MAP_METALLIC_ROUGHNESS).unwrap_or(DVec4::ONE);
     let emitted = read(MAP_EMISSIVE).map_or(DVec3::ONE, DVec4::truncate);
     let shaded = read(MAP_OCCLUSION).map_or(0.0, |map| 1.0 - map.x);
-    let mapped = read(MAP_NORMAL).and_then(|map| {
+    let slope = m.maps[MAP_NORMAL].as_ref().and_then(|map| at.slope(map, m.normal_scale.into()));
+    let mapped = slope.map(|slope| tilted(normal * side, slope, world_from_mesh)).or_else(|| {
+        let map = read(MAP_NORMAL)?;
         let bent = map.truncate() * DVec3::new(m.normal_scale.into(), m.normal_scale.into(), 1.0);
         in_frame(bent, at, normal * side, world_from_mesh)
     });
@@ -110,6 +144,12 @@ fn in_frame(bent: DVec3, at: &Corners<'_>, front: DVec3, world_from_mesh: DMat3)
     let tangent = (world_from_mesh * tangent).try_normalize()?;
     let frame = DMat3::from_cols(tangent, front.cross(tangent) * sign, front);
     (frame * bent).try_normalize()
+}
+
+/// The normal of the front where it is tilted by a slope, which stays as steep in the world.
+fn tilted(front: DVec3, slope: DVec3, world_from_mesh: DMat3) -> DVec3 {
+    let steep = (world_from_mesh * slope).normalize_or_zero() * slope.length();
+    (front + steep.reject_from_normalized(front)).normalize_or_zero()
 }
 
 /// The map at (u, v) of [0, 1]², texel i of n at (i + 1/2) / n: at its finest level, whatever the pixel's size;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::domain::{
     image::{Lighting, RenderCamera, RenderInstance, RenderMaterial, RenderMesh, RenderScene, Shading},
+    projection::{Projection, ProjectionBox},
     request::Aov,
 };
 
@@ -18,6 +19,7 @@ pub struct OracleScene {
     pub camera: RenderCamera,
     pub lighting: Lighting,
     pub shading: Shading,
+    pub projection: Projection,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -41,6 +43,8 @@ pub struct OracleMesh {
     pub material_of_triangles: Vec<(u32, u32)>,
     /// No point of the triangles is farther from the surface they stand for, world units; 0 where they are it.
     pub residual_world: f64,
+    /// Of the mesh before it is displaced.
+    pub projection_box: ProjectionBox,
 }
 
 impl OracleScene {
@@ -62,6 +66,7 @@ impl From<&RenderMesh> for OracleMesh {
             triangles: Arc::clone(&mesh.triangles),
             material_of_triangles: mesh.material_of_triangles.clone(),
             residual_world: 0.0,
+            projection_box: mesh.projection_box,
         }
     }
 }
@@ -75,6 +80,7 @@ impl From<&RenderScene> for OracleScene {
             camera: scene.camera,
             lighting: scene.lighting.clone(),
             shading: scene.shading,
+            projection: scene.projection,
             uv_channels: scene.uv_channels,
             aovs: scene.aovs.clone(),
         }

@@ -176,6 +176,7 @@ impl<'s> World<'s> {
             triangle: (part.first_of_mesh + (hit.triangle - part.first_triangle)) as usize,
             weights: hit.barycentrics,
             uv_channels: self.scene.uv_channels as usize,
+            projection: self.scene.projection,
         }
     }
 }

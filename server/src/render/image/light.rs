@@ -76,8 +76,12 @@ fn record_pbr(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Res
         ("surroundings", &work.surroundings),
         ("brdf_table", &streams.brdf_table),
         ("radiance", &work.radiance),
+        ("spreads", &work.spreads),
     ];
-    Ok(recorder.dispatch(&SHADERS.shade_pbr, count, &params, &bound)?)
+    if work.spreads.is_empty() {
+        return Ok(recorder.dispatch(&SHADERS.shade_pbr, count, &params, &bound[..7])?);
+    }
+    Ok(recorder.dispatch(&SHADERS.shade_pbr_moments, count, &params, &bound)?)
 }
 
 /// What fragments see of the environment, if there is one. Phong's model mirrors whatever the roughness.
@@ -100,8 +104,12 @@ fn record_surroundings(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u6
         ("environment_levels", &environment.levels),
         ("environment_texels", &environment.texels),
         ("surroundings", &work.surroundings),
+        ("spreads", &work.spreads),
     ];
-    Ok(recorder.dispatch(&SHADERS.surroundings, count, &params, &bound)?)
+    if work.spreads.is_empty() || scene.shading != Shading::Pbr {
+        return Ok(recorder.dispatch(&SHADERS.surroundings, count, &params, &bound[..8])?);
+    }
+    Ok(recorder.dispatch(&SHADERS.surroundings_moments, count, &params, &bound)?)
 }
 
 /// The environment behind the pixels of a slab, if there is one.

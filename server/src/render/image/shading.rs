@@ -5,8 +5,9 @@ use displace_glsl::{
     SHADERS,
     layout::raster::{
         AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
-        MAP_NORMAL, MAP_OCCLUSION, MAP_SLOTS, OUTPUT_DEPTH, OUTPUT_NORMAL, OUTPUT_POSITION, OUTPUT_TRIANGLE, OUTPUT_UV,
-        ResolveParams, ShadowRaysParams, SurfaceParams, TextureParams,
+        MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS, MomentsParams, OUTPUT_DEPTH, OUTPUT_NORMAL,
+        OUTPUT_POSITION, OUTPUT_SAMPLES, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadowRaysParams, SurfaceParams,
+        TextureParams,
     },
 };
 use glam::{DMat4, DVec3};
@@ -15,12 +16,13 @@ use crate::{
     domain::{
         Result,
         image::{Filter, ImageSet, RenderCamera},
+        projection::Projection,
         request::Aov,
     },
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, bump, layers, light, streams::WorkStreams, visibility::fragment_count};
+use super::{Frame, Run, Slab, bump, layers, light, projected, streams::WorkStreams, visibility::fragment_count};
 
 /// Shades what is solid, and makes the images; of layers, where there are any.
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
@@ -64,6 +66,7 @@ pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, co
         return Ok(());
     }
     record_appearance(recorder, frame, count)?;
+    record_moments(recorder, frame, count)?;
     record_shadows(recorder, frame, count)?;
     light::record(recorder, frame, count)
 }
@@ -102,19 +105,29 @@ pub(crate) fn record_surface(recorder: &mut Recorder<'_>, frame: &Frame<'_>, cou
 
 /// What the maps of one kind show of the first `count` fragments; nothing where no material has any.
 pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: usize, count: u64) -> Result<()> {
-    let Frame { scene, streams, work, .. } = frame;
-    if work.mapped[slot].is_empty() {
+    if frame.work.mapped[slot].is_empty() {
         return Ok(());
     }
-    let uv_channels = scene.uv_channels;
-    let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels, footprint: 1.0 };
+    match frame.scene.projection {
+        Projection::Uv => record_filter(recorder, frame, slot, count),
+        _ => projected::record_map(recorder, frame, slot, count),
+    }
+}
+
+/// At texture coordinates, or where a projection puts them.
+pub(super) fn record_filter(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: usize, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let is_projected = scene.projection != Projection::Uv;
+    let uv_channels = if is_projected { 1 } else { scene.uv_channels };
+    let params = TextureParams { count: count as u32, slot: slot as u32, uv_channels };
+    let place = &work.projected;
     let bound = [
-        ("points", &work.points),
+        ("points", if is_projected { &place.points } else { &work.points }),
         ("maps", &streams.texture_uses),
-        ("uvs", &streams.uvs),
+        ("uvs", if is_projected { &place.uvs } else { &streams.uvs }),
         ("levels", &streams.levels),
         ("texels", &streams.texels),
-        ("mapped", &work.mapped[slot]),
+        ("mapped", if is_projected { &place.seen } else { &work.mapped[slot] }),
     ];
     let shader = match scene.filter {
         Filter::Nearest => &SHADERS.texture_nearest,
@@ -127,12 +140,13 @@ pub(crate) fn record_map(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slot: u
 }
 
 fn record_look(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
-    let Frame { tables, streams, work, .. } = frame;
+    let Frame { scene, tables, streams, work, .. } = frame;
     let has_map = |slot: &usize| !work.mapped[*slot].is_empty();
     let params = AppearanceParams {
         count: count as u32,
         maps: (0..MAP_SLOTS).filter(has_map).fold(0, |bits, slot| bits | 1 << slot),
         has_colors: u32::from(tables.colored),
+        is_projected: u32::from(scene.projection != Projection::Uv),
     };
     let bound = [
         ("points", &work.points),
@@ -148,6 +162,28 @@ fn record_look(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Re
         ("appearances", &work.appearances),
     ];
     Ok(recorder.dispatch(&SHADERS.appearance, count, &params, &bound)?)
+}
+
+/// How the normals of the first `count` fragments scatter; nothing without moments.
+fn record_moments(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    if work.spreads.is_empty() {
+        return Ok(());
+    }
+    let params = MomentsParams { count: count as u32, uv_channels: scene.uv_channels };
+    let bound = [
+        ("points", &work.points),
+        ("materials", &streams.materials),
+        ("tangents", &streams.tangents),
+        ("instance_rows", &streams.instance_rows),
+        ("maps", &streams.texture_uses),
+        ("uvs", &streams.uvs),
+        ("levels", &streams.levels),
+        ("mapped_normal", &work.mapped[MAP_NORMAL]),
+        ("mapped_normal_moments", &work.mapped[MAP_NORMAL_MOMENTS]),
+        ("spreads", &work.spreads),
+    ];
+    Ok(recorder.dispatch(&SHADERS.moments, count, &params, &bound)?)
 }
 
 fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
@@ -208,6 +244,7 @@ fn record_pixels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> 
         ("position_out", &outputs.position),
         ("uv_out", &outputs.uv),
         ("triangle_out", &outputs.triangle),
+        ("samples_out", &outputs.samples),
         ("backdrop", &work.backdrop),
         ("layered", &work.layers.layered),
         ("transmittance", &work.layers.transmittance),
@@ -222,6 +259,9 @@ fn output_bit(aov: Aov) -> u32 {
         Aov::Position => OUTPUT_POSITION,
         Aov::Uv => OUTPUT_UV,
         Aov::Triangle => OUTPUT_TRIANGLE,
+        Aov::Samples => OUTPUT_SAMPLES,
+        // Counted before anything is resolved.
+        Aov::Overdraw => 0,
     }
 }
 
@@ -257,7 +297,9 @@ pub(crate) fn copy_out(work: &WorkStreams, slab: Slab, side: u32, images: &mut I
     copy_some(&outputs.normal, slab, side, width, &mut images.normal)?;
     copy_some(&outputs.position, slab, side, width, &mut images.position)?;
     copy_some(&outputs.uv, slab, side, width, &mut images.uv)?;
-    copy_some(&outputs.triangle, slab, side, width, &mut images.triangle)
+    copy_some(&outputs.triangle, slab, side, width, &mut images.triangle)?;
+    copy_some(&outputs.overdraw, slab, side, width, &mut images.overdraw)?;
+    copy_some(&outputs.samples, slab, side, width, &mut images.samples)
 }
 
 fn copy_some<T: Pod>(stream: &Stream, slab: Slab, side: u32, width: usize, image: &mut Option<Vec<T>>) -> Result<()> {

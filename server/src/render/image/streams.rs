@@ -5,7 +5,10 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use displace_glsl::layout::{
     light::Surroundings,
-    raster::{Appearance, Fragment, LISTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, SurfacePoint, TILE_PX},
+    raster::{
+        Appearance, Fragment, LISTS, MAP_NORMAL_MOMENTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, Spread,
+        SurfacePoint, TILE_PX,
+    },
 };
 
 use crate::{
@@ -21,6 +24,7 @@ use crate::{
 use super::{
     bump::BumpStreams,
     environment::{self, EnvironmentStreams},
+    projected::ProjectedStreams,
     tables::Tables,
     textures::Textures,
 };
@@ -47,6 +51,7 @@ pub(crate) struct SceneStreams {
     pub(crate) triangles: Stream,
     pub(crate) parts: Stream,
     pub(crate) instance_rows: Stream,
+    pub(crate) boxes: Stream,
     pub(crate) materials: Stream,
     pub(crate) texture_uses: Stream,
     pub(crate) bump: BumpStreams,
@@ -99,6 +104,7 @@ impl SceneStreams {
             triangles: triangles(device, scene, tables)?,
             parts: Stream::from_slice(device, "parts", &tables.parts)?,
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
+            boxes: Stream::from_slice(device, "boxes", &tables.boxes)?,
             materials: Stream::from_slice(device, "materials", &tables.materials)?,
             texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
             bump: BumpStreams::upload(device, &tables.bump)?,
@@ -221,7 +227,10 @@ pub(crate) struct WorkStreams {
     pub(crate) mapped: [Stream; MAP_SLOTS],
     /// Of formulas along two sides of each fragment's triangle; empty where none bends normals.
     pub(crate) rises: Stream,
+    pub(crate) projected: ProjectedStreams,
     pub(crate) appearances: Stream,
+    /// How the normals of each fragment scatter; empty without moments.
+    pub(crate) spreads: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
     pub(crate) shadows: Stream,
     /// What each fragment sees of an environment; empty without one.
@@ -272,6 +281,8 @@ pub(crate) struct Outputs {
     pub(crate) position: Stream,
     pub(crate) uv: Stream,
     pub(crate) triangle: Stream,
+    pub(crate) overdraw: Stream,
+    pub(crate) samples: Stream,
 }
 
 impl WorkStreams {
@@ -307,7 +318,9 @@ impl WorkStreams {
             points: new("points", size_of::<SurfacePoint>(), fragments)?,
             mapped: mapped(device, scene, fragments)?,
             rises: new("rises", 8, if tables.bump.formulas.is_empty() { 0 } else { fragments })?,
+            projected: ProjectedStreams::new(device, scene, fragments)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
+            spreads: new("spreads", size_of::<Spread>(), if scene.has_map(MAP_NORMAL_MOMENTS) { samples } else { 0 })?,
             shadows: new(
                 "shadows",
                 4,
@@ -347,6 +360,8 @@ impl Outputs {
             position: stream("position", 12, Aov::Position)?,
             uv: stream("uv", 8, Aov::Uv)?,
             triangle: stream("triangle", 4, Aov::Triangle)?,
+            overdraw: stream("overdraw", 4, Aov::Overdraw)?,
+            samples: stream("samples", 4, Aov::Samples)?,
         })
     }
 }

@@ -18,6 +18,7 @@ use crate::domain::{
         ImagePlan, LightShape, RenderAlpha, RenderCamera, RenderLight, RenderMap, RenderMaterial, RenderMesh,
         RenderScene,
     },
+    projection::ProjectionBox,
 };
 
 /// Screen vertices of a batch, unless a single instance has more: 128 MiB.
@@ -28,6 +29,8 @@ pub(crate) struct Tables {
     pub(crate) parts: Vec<Part>,
     /// `INSTANCE_ROWS` for each instance.
     pub(crate) instance_rows: Vec<[f32; 4]>,
+    /// Of each instance, what its mesh is projected from: centre and side.
+    pub(crate) boxes: Vec<[f32; 4]>,
     pub(crate) materials: Vec<Material>,
     /// `MAP_SLOTS` for each material, without their levels.
     pub(crate) texture_uses: Vec<TextureUse>,
@@ -75,6 +78,7 @@ impl Tables {
         let mut tables = Self {
             parts: Vec::new(),
             instance_rows: Vec::new(),
+            boxes: Vec::new(),
             materials: scene.materials.iter().map(material).collect(),
             texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
             bump: BumpTables::new(scene)?,
@@ -89,6 +93,8 @@ impl Tables {
         for (index, instance) in scene.instances.iter().enumerate() {
             let world_from_mesh = DMat4::from_cols_array(&instance.world_from_mesh.map(f64::from));
             tables.instance_rows.extend(instance_rows(pixel_from_world * world_from_mesh, world_from_mesh));
+            let ProjectionBox { centre: [x, y, z], side } = scene.meshes[instance.mesh].projection_box;
+            tables.boxes.push([x, y, z, side]);
             let mirrored = DMat3::from_mat4(world_from_mesh).determinant() < 0.0;
             tables.add_instance(scene, index, if mirrored { PART_MIRRORED } else { 0 })?;
         }

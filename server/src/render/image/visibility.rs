@@ -27,14 +27,24 @@ struct Job<'a, 'r> {
     run: &'a mut Run<'r>,
     frame: &'a Frame<'a>,
     slab: Slab,
+    target: Target<'a>,
+}
+
+/// What becomes of covered samples.
+#[derive(Clone, Copy)]
+enum Target<'a> {
+    /// The nearest of what is not blended is seen.
+    Solid,
     /// What is blended goes to a layer of its own.
-    layer: Option<Layer<'a>>,
+    Layer(Layer<'a>),
+    /// All are counted, of what is blended or of what is not.
+    Count { blended: bool },
 }
 
 /// The nearest triangle of each sample, of all that are not blended.
 pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab: bool) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(&frame.work.visibility, 0)?))?;
-    let mut job = Job { run, frame, slab, layer: None };
+    let mut job = Job { run, frame, slab, target: Target::Solid };
     for batch in &frame.tables.batches {
         // A single batch stays on the screen for all slabs.
         if first_slab || frame.tables.batches.len() > 1 {
@@ -48,11 +58,27 @@ pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab:
 /// The nearest blended triangle of each sample that lies behind those of the layer before and before what is solid.
 pub(crate) fn peel<'a>(run: &mut Run<'_>, frame: &'a Frame<'a>, slab: Slab, layer: Layer<'a>) -> Result<()> {
     run.record(|recorder| Ok(recorder.fill(layer.keys, 0)?))?;
-    let mut job = Job { run, frame, slab, layer: Some(layer) };
+    let mut job = Job { run, frame, slab, target: Target::Layer(layer) };
     for batch in frame.tables.batches.iter().filter(|batch| !batch.blended.is_empty()) {
         if frame.tables.batches.len() > 1 {
             job.transform(batch)?;
         }
+        job.draw_range(batch, &batch.blended)?;
+    }
+    Ok(())
+}
+
+/// How often each pixel's samples are covered, whatever is before them. After `fill`.
+pub(crate) fn count(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
+    run.record(|recorder| Ok(recorder.fill(&frame.work.outputs.overdraw, 0)?))?;
+    let mut job = Job { run, frame, slab, target: Target::Count { blended: false } };
+    for batch in &frame.tables.batches {
+        if frame.tables.batches.len() > 1 {
+            job.transform(batch)?;
+        }
+        job.target = Target::Count { blended: false };
+        job.draw_range(batch, &batch.triangles)?;
+        job.target = Target::Count { blended: true };
         job.draw_range(batch, &batch.blended)?;
     }
     Ok(())
@@ -97,6 +123,12 @@ impl<'a> Job<'a, '_> {
         let list = |index: usize| (index as u64 * self.frame.work.list_capacity, lengths[index]);
         let lists: [(u64, u64); LISTS] = std::array::from_fn(list);
         self.draw_whole(batch, lists[SMALL], lists[MEDIUM])?;
+        if matches!(self.target, Target::Count { .. }) {
+            // Whatever their alpha.
+            self.draw_whole(batch, lists[SMALL_MASKED], (0, 0))?;
+            self.draw_large(batch, lists[LARGE], false)?;
+            return self.draw_large(batch, lists[LARGE_MASKED], false);
+        }
         self.draw_small_masked(batch, lists[SMALL_MASKED])?;
         self.draw_large(batch, lists[LARGE], false)?;
         self.draw_large(batch, lists[LARGE_MASKED], true)
@@ -114,7 +146,7 @@ impl<'a> Job<'a, '_> {
             slab_px,
             slab_size_px,
             capacity: work.list_capacity as u32,
-            blended: u32::from(self.layer.is_some()),
+            blended: u32::from(matches!(self.target, Target::Layer(_) | Target::Count { blended: true })),
         };
         self.run.record(|recorder| {
             recorder.fill(&work.counters, 0)?;
@@ -132,11 +164,12 @@ impl<'a> Job<'a, '_> {
     }
 
     /// Where covered samples go, and what they must pass on their way.
-    fn target(&self) -> Vec<(&'static str, &'a Stream)> {
+    fn targets(&self) -> Vec<(&'static str, &'a Stream)> {
         let solid = &self.frame.work.visibility;
-        match self.layer {
-            None => vec![("visibility", solid)],
-            Some(Layer { keys, nearer }) => vec![("visibility", keys), ("solid", solid), ("nearer", nearer)],
+        match self.target {
+            Target::Solid => vec![("visibility", solid)],
+            Target::Count { .. } => vec![("overdraw", &self.frame.work.outputs.overdraw)],
+            Target::Layer(Layer { keys, nearer }) => vec![("visibility", keys), ("solid", solid), ("nearer", nearer)],
         }
     }
 
@@ -157,10 +190,11 @@ impl<'a> Job<'a, '_> {
         let small_params = self.raster_params(batch, small.0, small.1);
         let medium_params = self.raster_params(batch, medium.0, medium.1);
         let (streams, work) = (self.frame.streams, self.frame.work);
-        let bound = [&self.target()[..], &triangle_bindings(streams, work)].concat();
-        let [small_shader, medium_shader] = match self.layer {
-            None => [&SHADERS.raster_small, &SHADERS.raster_medium],
-            Some(_) => [&SHADERS.raster_small_peeled, &SHADERS.raster_medium_peeled],
+        let bound = [&self.targets()[..], &triangle_bindings(streams, work)].concat();
+        let [small_shader, medium_shader] = match self.target {
+            Target::Solid => [&SHADERS.raster_small, &SHADERS.raster_medium],
+            Target::Count { .. } => [&SHADERS.raster_small_counted, &SHADERS.raster_medium_counted],
+            Target::Layer(_) => [&SHADERS.raster_small_peeled, &SHADERS.raster_medium_peeled],
         };
         self.run.record(|recorder| {
             if small.1 > 0 {
@@ -180,7 +214,7 @@ impl<'a> Job<'a, '_> {
         while done < length {
             let count = (length - done).min(work.masked_small_chunk);
             let params = self.raster_params(batch, list_first + done, count);
-            let bound = [&self.target()[..], &triangle_bindings(streams, work), &fragment_bindings(work)].concat();
+            let bound = [&self.targets()[..], &triangle_bindings(streams, work), &fragment_bindings(work)].concat();
             self.run.record(|recorder| {
                 recorder.fill(&work.fragment_count, 0)?;
                 Ok(recorder.dispatch(&SHADERS.raster_small_masked, count, &params, &bound)?)
@@ -250,12 +284,13 @@ impl<'a> Job<'a, '_> {
             slab_size_px,
         };
         let params = self.raster_params(batch, 0, count);
-        let shader = match self.layer {
+        let shader = match self.target {
             _ if masked => &SHADERS.raster_large_masked,
-            None => &SHADERS.raster_large,
-            Some(_) => &SHADERS.raster_large_peeled,
+            Target::Solid => &SHADERS.raster_large,
+            Target::Count { .. } => &SHADERS.raster_large_counted,
+            Target::Layer(_) => &SHADERS.raster_large_peeled,
         };
-        let mut targets = self.target();
+        let mut targets = self.targets();
         self.run.record(|recorder| {
             let bound = [("records", &work.records), ("offsets", &work.tile_offsets), ("pairs", &work.pairs)];
             recorder.dispatch(&SHADERS.tiles, count, &tiles, &bound)?;

@@ -23,11 +23,13 @@ pub(super) struct Samples {
     pub(super) solid: [Seen; 4],
     /// All, in any order.
     pub(super) blended: [Vec<Seen>; 4],
+    /// How often one was covered.
+    pub(super) covered: u32,
 }
 
 impl Default for Samples {
     fn default() -> Self {
-        Self { solid: [Seen { depth: -1.0, id: NOTHING }; 4], blended: Default::default() }
+        Self { solid: [Seen { depth: -1.0, id: NOTHING }; 4], blended: Default::default(), covered: 0 }
     }
 }
 

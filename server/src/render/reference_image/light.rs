@@ -11,7 +11,7 @@ use displace_glsl::{
         shade_pbr,
         shade_phong::{Reflected, from_surroundings, reflected},
         shadow_rays::Ray,
-        surroundings::{Change, Surroundings, mirrored_footprint, seen},
+        surroundings::{Change, Surroundings, mirrored_footprint, seen, seen_by_normals},
     },
 };
 use glam::{DVec3, DVec4};
@@ -83,7 +83,12 @@ impl LightModel {
         let sky = self.environment.as_ref().map(|environment| self.sky(environment, hit));
         match &self.table {
             Some(table) => {
-                let place = shade_pbr::Place { position: hit.position, normal: hit.normal, eye: self.eye };
+                let place = shade_pbr::Place {
+                    position: hit.position,
+                    normal: hit.normal,
+                    spread: hit.spread.unwrap_or_default(),
+                    eye: self.eye,
+                };
                 let (shares, ambient) = (shares.as_slice(), self.ambient);
                 let lighting = shade_pbr::Lighting { table, lights, shares, ambient, multiple_scattering: true };
                 shade_pbr::radiance(&hit.look, &place, &lighting, &sky.unwrap_or_default()).truncate()
@@ -122,6 +127,9 @@ impl LightModel {
         let v = (self.eye.truncate() - self.eye.w * hit.position).normalize();
         let footprint = mirrored_footprint(&change, visible_normal(normal, v), hit.position, self.eye);
         let roughness = self.table.as_ref().map(|_| hit.look.roughness);
+        if let (Some(spread), Some(roughness)) = (&hit.spread, roughness) {
+            return seen_by_normals(environment, hit.position, normal, spread, self.eye, roughness, footprint);
+        }
         seen(environment, hit.position, normal, self.eye, roughness, footprint)
     }
 

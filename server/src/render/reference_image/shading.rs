@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::raster::{MAP_BASE_COLOR, MAP_SLOTS, Material, PART_MIRRORED},
+    layout::raster::{MAP_BASE_COLOR, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_SLOTS, Material, PART_MIRRORED},
     reference::{
         appearance::{Appearance, Under, appearance},
         mip::Level,
+        moments::{self, Spread},
+        projection,
         surface::{Barycentrics, barycentrics},
         surroundings::Change,
         texture,
@@ -18,6 +20,7 @@ use glam::{DVec2, DVec3, DVec4};
 use super::{
     bump::{Unbent, bent},
     place::Place,
+    projected,
 };
 use crate::{
     domain::image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
@@ -28,6 +31,8 @@ pub(super) struct Hit {
     pub(super) position: DVec3,
     pub(super) uv: DVec2,
     pub(super) look: Appearance,
+    /// Of its normals; none where moments are not asked for.
+    pub(super) spread: Option<Spread>,
     /// Interpolated, towards the viewer's side.
     pub(super) normal: DVec3,
     pub(super) facing: DVec3,
@@ -43,11 +48,20 @@ pub(super) struct Shader {
     /// Mip levels of each material's maps.
     maps: Vec<[Option<Arc<Vec<Level>>>; MAP_SLOTS]>,
     filter: texture::Filter,
+    /// Some material's slopes have them.
+    moments: bool,
+    /// Of places onto maps, where these are not read at texture coordinates.
+    projection: Option<projection::Kind>,
 }
 
 impl Shader {
     pub(super) fn new(scene: &RenderScene) -> Self {
-        Self { maps: map_levels(scene), filter: twin(scene.filter) }
+        Self {
+            maps: map_levels(scene),
+            filter: twin(scene.filter),
+            moments: scene.has_map(MAP_NORMAL_MOMENTS),
+            projection: scene.projection.kind(),
+        }
     }
 
     pub(super) fn hit(
@@ -64,8 +78,9 @@ impl Shader {
         }));
         let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
         let normal = flip * place.normal(b.at);
-        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at) };
         let mapped = self.mapped(place, source, &b);
+        let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
+        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
@@ -77,6 +92,7 @@ impl Shader {
             position: place.position(b.at),
             uv: place.uv(base_channel, b.at),
             look,
+            spread: self.spread(place, source, factors, &under, &mapped, &b),
             normal,
             facing: flip * place.front(),
             change: Change { normal: [b.dx, b.dy].map(normal_change), position: [b.dx, b.dy].map(position_change) },
@@ -89,6 +105,9 @@ impl Shader {
     pub(super) fn alpha(&self, place: &Place<'_>, source: &RenderMaterial, weights: DVec3) -> f64 {
         let alpha = f64::from(source.base_color_factor[3]) * place.color(weights).w;
         match (&source.maps[MAP_BASE_COLOR], &self.maps[place.part.material as usize][MAP_BASE_COLOR]) {
+            (Some(map), Some(levels)) if let Some(kind) = self.projection => {
+                alpha * projected::alpha(kind, projected::at(place, &still(weights)), map, &levels[0])
+            }
             (Some(map), Some(levels)) => {
                 let at = on_map(map, place.uv(map.uv_channel, weights), 1.0);
                 alpha * texture::bilinear(&levels[0], at, wrap_numbers(map.wrap))[3]
@@ -97,20 +116,54 @@ impl Shader {
         }
     }
 
+    /// How the normals under a pixel scatter.
+    fn spread(
+        &self,
+        place: &Place<'_>,
+        source: &RenderMaterial,
+        factors: &Material,
+        under: &Under,
+        mapped: &[DVec4; MAP_SLOTS],
+        b: &Barycentrics,
+    ) -> Option<Spread> {
+        let Some(map) = &source.maps[MAP_NORMAL_MOMENTS] else { return self.moments.then(Spread::default) };
+        let scale = f64::from(factors.normal_scale);
+        let [dx, dy] = sides(place, map, b);
+        let share = scale * scale * moments::covered(dx, dy);
+        let mean = mapped[MAP_NORMAL].truncate().truncate();
+        let sigma = moments::covariance(mean, mapped[MAP_NORMAL_MOMENTS].truncate().to_array()).map(|s| share * s);
+        Some(moments::in_world(under, scale * mean, sigma))
+    }
+
     /// What each map shows; white where there is none.
     fn mapped(&self, place: &Place<'_>, source: &RenderMaterial, b: &Barycentrics) -> [DVec4; MAP_SLOTS] {
         let levels = &self.maps[place.part.material as usize];
+        let at = self.projection.map(|kind| (kind, projected::at(place, b)));
         std::array::from_fn(|slot| match (&source.maps[slot], &levels[slot]) {
-            (Some(map), Some(levels)) => filtered(self.filter, place, map, levels, b),
+            (Some(map), Some(levels)) => match at {
+                Some((kind, at)) => projected::filtered(self.filter, kind, at, slot, map, levels),
+                None => filtered(self.filter, place, map, levels, b),
+            },
             _ => DVec4::ONE,
         })
     }
+}
+
+/// Where a pixel's corners lie apart on a map, texels.
+fn sides(place: &Place<'_>, map: &RenderMap, b: &Barycentrics) -> [DVec2; 2] {
+    let size = DVec2::new(map.map.width.into(), map.map.height.into());
+    [b.dx, b.dy].map(|weights| DVec2::from_array(on_map(map, place.uv(map.uv_channel, weights), 0.0)) * size)
 }
 
 fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels: &[Level], b: &Barycentrics) -> DVec4 {
     let uv = |weights: DVec3, one: f64| on_map(map, place.uv(map.uv_channel, weights), one);
     let (at, dx, dy) = (uv(b.at, 1.0), uv(b.dx, 0.0), uv(b.dy, 0.0));
     DVec4::from_array(texture::filtered(filter, levels, at, dx, dy, wrap_numbers(map.wrap)))
+}
+
+/// A place without change.
+fn still(at: DVec3) -> Barycentrics {
+    Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
 }
 
 fn twin(filter: Filter) -> texture::Filter {
@@ -124,7 +177,7 @@ fn twin(filter: Filter) -> texture::Filter {
 }
 
 /// Where a UV lies on the map; `one` is 0 for differences.
-fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
+pub(super) fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
     map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
 }
 
