@@ -205,6 +205,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
     let shadows = match args.shadows {
         ShadowsArg::None => v1::Shadows::None,
         ShadowsArg::Ray => v1::Shadows::Ray,
+        ShadowsArg::Map => v1::Shadows::Map,
     };
     let shading = match args.shading {
         ShadingArg::Flat => v1::Shading::Flat,
@@ -238,8 +239,12 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
 fn light(light: &LightArg) -> v1::Light {
     use v1::light::Shape;
     let shape = match light {
-        LightArg::Sun(direction) => Shape::Sun(v1::Sun { direction: direction.to_vec() }),
-        LightArg::Point(position) => Shape::Point(v1::PointLight { position: position.to_vec() }),
+        LightArg::Sun(direction, angular_diameter_degrees) => {
+            Shape::Sun(v1::Sun { direction: direction.to_vec(), angular_diameter_degrees: *angular_diameter_degrees })
+        }
+        LightArg::Point(position, radius) => {
+            Shape::Point(v1::PointLight { position: position.to_vec(), radius: *radius })
+        }
     };
     v1::Light { shape: Some(shape), intensity: None }
 }

@@ -7,6 +7,7 @@ mod light;
 mod looks;
 mod passes;
 pub(crate) mod scenes;
+mod shadows;
 
 use std::{collections::HashSet, sync::OnceLock};
 

@@ -10,6 +10,8 @@ pub(crate) enum ShadowsArg {
     None,
     /// By rays towards the lights
     Ray,
+    /// By what the lights see: faster, and off by a texel at edges
+    Map,
 }
 
 /// How light becomes colour.

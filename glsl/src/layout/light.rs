@@ -47,6 +47,12 @@ mirrors! {
         pub eye: [f32; 4],
     }
 
+    pub struct LightAimsParams {
+        pub count: u32,
+        pub lights: u32,
+        pub k: u32,
+    }
+
     /// What a fragment sees of an environment.
     pub struct Surroundings {
         pub diffuse: [f32; 3],

@@ -6,7 +6,7 @@ use super::{
     appearance::Appearance,
     brdf::{MIN_COSINE, Reflectance, albedo, brdf, visible_normal},
     brdf_table::Table,
-    lights::incoming,
+    lights::{arriving_of, incoming_of, samples, turn},
     surroundings::Surroundings,
 };
 use crate::layout::raster::{Light, MATERIAL_UNLIT};
@@ -16,7 +16,7 @@ use crate::layout::raster::{Light, MATERIAL_UNLIT};
 pub struct Lighting<'a> {
     pub table: &'a Table,
     pub lights: &'a [Light],
-    /// Share of each light that arrives.
+    /// What of each light arrives, as `arriving_of` reads it.
     pub shares: &'a [f64],
     /// Radiance of white surroundings.
     pub ambient: f64,
@@ -32,6 +32,8 @@ pub struct Place {
     pub normal: DVec3,
     /// w = 1 a place, w = 0 the direction towards an orthographic camera.
     pub eye: DVec4,
+    /// Where on the image it is seen.
+    pub pixel: [u32; 2],
 }
 
 /// Linear radiance towards the eye, and alpha.
@@ -45,11 +47,13 @@ pub fn radiance(a: &Appearance, place: &Place, lighting: &Lighting<'_>, sky: &Su
     let n = visible_normal(a.normal, v);
     let surface = Reflectance::new(base, a.metallic, a.roughness);
     let mut color = a.emissive + a.occlusion * from_everywhere(&surface, lighting, sky, [n, v, place.normal]);
-    for (light, share) in lighting.lights.iter().zip(lighting.shares) {
-        let light = incoming(light, place.position);
-        let cosine = n.dot(light.direction).max(0.0);
-        let reflected = brdf(&surface, lighting.table, n, v, light.direction, lighting.multiple_scattering);
-        color += light.irradiance * reflected * (share * cosine);
+    for (l, (light, share)) in lighting.lights.iter().zip(lighting.shares).enumerate() {
+        for k in 0..samples(light) {
+            let light = incoming_of(light, place.position, k, turn(place.pixel, l as u32));
+            let cosine = n.dot(light.direction).max(0.0);
+            let reflected = brdf(&surface, lighting.table, n, v, light.direction, lighting.multiple_scattering);
+            color += light.irradiance * reflected * (arriving_of(*share, k) * cosine);
+        }
     }
     color.extend(a.base.w)
 }
@@ -92,7 +96,7 @@ mod tests {
 
     fn seen_under(cosine: f64) -> Place {
         let eye = DVec4::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine, 0.0);
-        Place { position: DVec3::ZERO, normal: DVec3::Z, eye }
+        Place { position: DVec3::ZERO, normal: DVec3::Z, eye, pixel: [0; 2] }
     }
 
     #[test]

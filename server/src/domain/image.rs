@@ -3,6 +3,7 @@
 mod alpha;
 mod lighting;
 mod plan;
+pub mod shadow_map;
 
 use std::sync::Arc;
 
@@ -64,7 +65,9 @@ impl RenderScene {
             texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
-            shadow_lights: if self.shadows == Shadows::Ray { self.lighting.lights.len() as u32 } else { 0 },
+            shadow_lights: if self.shadows == Shadows::None { 0 } else { self.lighting.lights.len() as u32 },
+            shadow_map_texels: if self.shadows == Shadows::Map { shadow_map::texels(&self.lighting.lights) } else { 0 },
+            has_occluders: self.shadows == Shadows::Ray,
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
             has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),

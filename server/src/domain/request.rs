@@ -282,6 +282,8 @@ pub enum Shadows {
     None,
     /// By a ray towards the light.
     Ray,
+    /// By the depths that the light sees.
+    Map,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]

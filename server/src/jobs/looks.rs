@@ -153,5 +153,5 @@ fn punctual(light: &PunctualLight) -> RenderLight {
             cone_cosines: [inner_cone_radians.cos(), outer_cone_radians.cos()],
         },
     };
-    RenderLight { shape, color: light.color.map(|c| c * light.intensity) }
+    RenderLight { shape, color: light.color.map(|c| c * light.intensity), radius: 0.0 }
 }

@@ -51,7 +51,7 @@ use albedo::Albedo;
 use environment::Sky;
 use lobe::Directions;
 use sampling::Places;
-use shading::{Eye, Model, arriving};
+use shading::{Eye, Model, arriving_from};
 use view::View;
 use world::{Seen, World};
 
@@ -122,37 +122,39 @@ impl<'s> Camera<'s> {
         let ray = |[u, v]: [f64; 2]| self.view.ray([corner[0] + u, corner[1] + v]);
         let places = Places::of_pixel(x, y);
         let by = [places.further(0), places.further(1)];
-        let radiance = |sample| self.radiance(&ray(places.at(sample)), &Directions { by, sample });
+        let radiance = |sample| self.radiance(&ray(places.at(sample)), places, &Directions { by, sample });
         let sum: DVec3 = (0..self.samples).map(radiance).sum();
         let centre = if self.wants_centre { self.world.seen(&ray([0.5; 2])) } else { None };
         let depth = centre.map_or(f64::INFINITY, |seen| self.view.depth(seen.position));
         Pixel { color: sum / f64::from(self.samples), depth, centre }
     }
 
-    fn radiance(&self, ray: &Segment, directions: &Directions) -> DVec3 {
+    fn radiance(&self, ray: &Segment, places: Places, directions: &Directions) -> DVec3 {
         let (mut color, mut passes) = (DVec3::ZERO, 1.0);
         for seen in self.world.layers(ray) {
-            color += passes * seen.alpha * self.reflected(ray, &seen, directions);
+            color += passes * seen.alpha * self.reflected(ray, &seen, places, directions);
             passes *= 1.0 - seen.alpha;
         }
         color + passes * self.behind(ray.direction)
     }
 
     /// Radiance of a point towards where the ray comes from.
-    fn reflected(&self, ray: &Segment, seen: &Seen, directions: &Directions) -> DVec3 {
+    fn reflected(&self, ray: &Segment, seen: &Seen, places: Places, directions: &Directions) -> DVec3 {
         if seen.look.unlit {
             return seen.look.base.truncate();
         }
         let eye = self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
         let model = Model::new(self.shading, seen, eye);
-        let of_light = |light| {
-            let color = model.direct(light);
-            let towards = arriving(light, seen.position);
+        let of_light = |(l, light)| {
+            // The first two are the surroundings'.
+            let at = places.further(2 + l as u32).at(directions.sample);
+            let color = model.direct(light, at);
+            let towards = arriving_from(light, seen.position, at);
             let is_dark = color == DVec3::ZERO
                 || (self.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
             if is_dark { DVec3::ZERO } else { color }
         };
-        let direct: DVec3 = self.lighting.lights.iter().map(of_light).sum();
+        let direct: DVec3 = self.lighting.lights.iter().enumerate().map(of_light).sum();
         direct + model.indirect(self.lighting, self.sky.as_ref(), directions)
     }
 

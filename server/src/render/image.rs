@@ -6,6 +6,7 @@ pub mod environment;
 mod layers;
 pub(crate) mod light;
 pub(crate) mod shading;
+mod shadow_map;
 mod streams;
 pub(crate) mod tables;
 mod textures;
@@ -40,16 +41,25 @@ pub fn render(
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
     let (side, fine) = (plan.supersample, plan.fine());
+    let mut run = Run { device, job, times: Vec::new() };
+    let shadow_maps = shadow_map::make(&mut run, scene)?;
     let mut tables = Tables::new(&fine, scene)?;
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
-    let mut run = Run { device, job, times: Vec::new() };
     let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
         streams.record_light(recorder)
     })?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;
-    let frame = Frame { plan: &fine, side, scene, tables: &tables, streams: &streams, work: &work };
+    let frame = Frame {
+        plan: &fine,
+        side,
+        scene,
+        tables: &tables,
+        streams: &streams,
+        work: &work,
+        shadow_maps: shadow_maps.as_ref(),
+    };
     let mut images = empty_images(plan, scene);
     let slabs = slabs(&fine);
     for (done, slab) in slabs.iter().enumerate() {
@@ -74,6 +84,7 @@ pub(crate) struct Frame<'a> {
     tables: &'a Tables,
     streams: &'a SceneStreams,
     work: &'a WorkStreams,
+    shadow_maps: Option<&'a shadow_map::ShadowStreams>,
 }
 
 /// A rectangle of the image, pixels.

@@ -5,6 +5,7 @@ mod layers;
 mod light;
 mod place;
 mod shading;
+mod shadow_map;
 
 use displace_glsl::{
     layout::raster::{
@@ -63,7 +64,7 @@ pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
 
 fn traced(job: &JobContext<'_>, plan: &ImagePlan, rays: Rays, scene: &RenderScene) -> Result<ImageSet> {
     tables::check(scene)?;
-    let shadows = rays.shadows == Shadows::Ray;
+    let shadows = rays.shadows != Shadows::None;
     let exposure = Exposure { width: plan.width, height: plan.height, samples: rays.samples, shadows };
     oracle::image::render(&OracleScene::from(scene), &exposure, job.cancel, job.progress)
 }

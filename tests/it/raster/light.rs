@@ -262,7 +262,8 @@ fn light_of_the_metallic_roughness_model_is_that_of_the_twin() {
             let shares = [shadows[2 * i], shadows[2 * i + 1]].map(f64::from);
             let lighting =
                 Lighting { table: &twin_table, lights: &lights, shares: &shares, ambient: 0.25, multiple_scattering };
-            let place = Place { position: wide(point.position), normal: wide(point.normal), eye: scene.eye() };
+            let place =
+                Place { position: wide(point.position), normal: wide(point.normal), eye: scene.eye(), pixel: [0; 2] };
             let sky = twin_of(&sky[i]);
             let expected = radiance(&widened(look), &place, &lighting, &sky);
             let off = (DVec4::from_array(found.map(f64::from)) - expected).abs().max_element();

@@ -54,7 +54,7 @@ fn rich() -> RenderMaterial {
 }
 
 /// A ball with every kind of map over a plane, with tangents made by hand, under a sun, a lamp and a spot.
-fn still_life() -> RenderScene {
+pub(super) fn still_life() -> RenderScene {
     let mut builder = Builder::lit(view_camera([1.5, 1.6, 3.0], [0.0, 0.0, 0.0], 45.0, 96, 96));
     let mut ball = render_mesh(&meshes::uv_sphere(24, 12));
     let corners = ball.triangles.iter().flatten().map(|&v| {
@@ -85,6 +85,7 @@ fn still_life() -> RenderScene {
                 cone_cosines: [0.95, 0.8],
             },
             color: [9.0, 6.0, 3.0],
+            radius: 0.0,
         },
     ];
     scene

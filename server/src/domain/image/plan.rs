@@ -42,8 +42,12 @@ pub struct ImageContents {
     pub has_layers: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
-    /// Lights that cast shadows by rays.
+    /// Lights that cast shadows.
     pub shadow_lights: u32,
+    /// Of the maps of what lights see.
+    pub shadow_map_texels: u64,
+    /// Rays meet the triangles.
+    pub has_occluders: bool,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
     pub aovs: Vec<Aov>,
@@ -105,12 +109,12 @@ impl ImageContents {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12 + if self.has_tangents { 48 } else { 0 };
         // Corners, number, and two nodes.
-        let per_occluder = if self.shadow_lights > 0 { 36 + 4 + 2 * 32 } else { 0 };
+        let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
         // The map with its mips, and its irradiance.
         let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16));
         let maps = self.texels * 16 * 4 / 3 + environment;
-        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps
+        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps + self.shadow_map_texels * 16
     }
 
     /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
@@ -126,6 +130,7 @@ impl ImageContents {
             + 16
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
+            + if self.has_occluders { 16 * u64::from(self.shadow_lights) } else { 0 }
             + if self.environment.is_some() { 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };

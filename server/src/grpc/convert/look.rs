@@ -24,6 +24,7 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
         shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
+            v1::Shadows::Map => Shadows::Map,
         },
         shading: match known::<v1::Shading>(&join(path, "shading"), lighting.shading)? {
             v1::Shading::Flat => Shading::Flat,
@@ -56,19 +57,23 @@ fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {
 
 fn light(path: &str, light: v1::Light) -> Result<RenderLight> {
     use v1::light::Shape;
-    let shape = match light.shape {
+    let (shape, radius) = match light.shape {
         Some(Shape::Sun(sun)) => {
             let field = join(path, "sun.direction");
-            LightShape::Sun { direction_world: unit(&field, vector(&field, &sun.direction)?)? }
+            let direction_world = unit(&field, vector(&field, &sun.direction)?)?;
+            let degrees =
+                within(&join(path, "sun.angular_diameter_degrees"), sun.angular_diameter_degrees, 0.0, 170.0)?;
+            (LightShape::Sun { direction_world }, (0.5 * f64::from(degrees)).to_radians().sin() as f32)
         }
-        Some(Shape::Point(point)) => LightShape::Point {
-            position_world: vector(&join(path, "point.position"), &point.position)?,
-            range_world: None,
-        },
+        Some(Shape::Point(point)) => {
+            let position_world = vector(&join(path, "point.position"), &point.position)?;
+            let radius = within(&join(path, "point.radius"), point.radius, 0.0, 1e6)?;
+            (LightShape::Point { position_world, range_world: None }, radius)
+        }
         None => return Err(Error::invalid(path, "has no shape; give a sun or a point")),
     };
     let intensity = within(&join(path, "intensity"), light.intensity.unwrap_or(1.0), 0.0, 1e6)?;
-    Ok(RenderLight { shape, color: [std::f32::consts::PI * intensity; 3] })
+    Ok(RenderLight { shape, color: [std::f32::consts::PI * intensity; 3], radius })
 }
 
 /// In f64, so that neither huge nor tiny vectors lose their direction.

@@ -218,6 +218,8 @@ pub(crate) struct WorkStreams {
     pub(crate) mapped: [Stream; MAP_SLOTS],
     pub(crate) appearances: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
+    /// Where rays to lights go.
+    pub(crate) aims: Stream,
     pub(crate) shadows: Stream,
     /// What each fragment sees of an environment; empty without one.
     pub(crate) surroundings: Stream,
@@ -305,6 +307,11 @@ impl WorkStreams {
             shadows: new(
                 "shadows",
                 4,
+                if scene.shadows != Shadows::None { samples * tables.lights.len() as u64 } else { 0 },
+            )?,
+            aims: new(
+                "aims",
+                16,
                 if scene.shadows == Shadows::Ray { samples * tables.lights.len() as u64 } else { 0 },
             )?,
             surroundings: new("surroundings", size_of::<Surroundings>(), if has_environment { samples } else { 0 })?,
