@@ -8,8 +8,8 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg,
-        PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LayoutArg, LightArg, LightArgs, LookArgs,
+        MethodArg, PresetArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -225,6 +225,16 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         AlphaArg::Blend => v1::AlphaMode::Blend,
         AlphaArg::Stochastic => v1::AlphaMode::Stochastic,
     };
+    let environment_layout = match args.env_layout {
+        LayoutArg::Equirect => v1::EnvironmentLayout::Equirect,
+        LayoutArg::Cube => v1::EnvironmentLayout::Cube,
+        LayoutArg::Sphere => v1::EnvironmentLayout::Sphere,
+    };
+    let reflection = |material: &String| v1::Reflection {
+        material: material.clone(),
+        size: args.reflect_size,
+        r#box: args.reflect_box,
+    };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
@@ -233,6 +243,9 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         filter: filter.into(),
         environment,
         alpha: alpha.into(),
+        environment_layout: environment_layout.into(),
+        reflections: args.reflect.iter().map(reflection).collect(),
+        bounces: args.bounces,
     }
 }
 

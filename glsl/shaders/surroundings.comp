@@ -20,6 +20,11 @@ layout(push_constant, scalar) uniform Params {
     uint mips;    // levels of the environment's map; irradiance follows
     uint samples; // of a lobe; 0: every surface is a mirror
     vec4 eye;     // w = 1: a place; w = 0: the direction towards an orthographic camera
+    uint of_material; // 1 + the material that sees this environment; 0: all do
+    uint has_room;    // whether what is seen are the walls of a box, from a place in it
+    vec3 centre;      // world
+    vec3 low;
+    vec3 high;
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -68,8 +73,21 @@ LobeSample lobe_sample(vec3 v, float alpha, uint i) {
     return LobeSample(l, weight, grazing(vh), inversesqrt(n * density));
 }
 
+// What arrives from `d`: in a room, from where the wall is met, as its centre sees that (box projection, Lagarde and
+// Zanuttini 2012).
+vec3 arriving(vec3 position, vec3 d, float width) {
+    if (params.has_room == 0u) {
+        return environment_mirror(d, width, params.mips);
+    }
+    vec3 inverse = mix(vec3(1.0), vec3(-1.0), lessThan(d, vec3(0.0))) / max(abs(d), vec3(1e-20));
+    vec3 far = max((params.low - position) * inverse, (params.high - position) * inverse);
+    float t = max(min(min(far.x, far.y), far.z), 0.0);
+    vec3 wall = position + t * d - params.centre;
+    return environment_mirror(wall, width * t * inversesqrt(max(dot(wall, wall), 1e-20)), params.mips);
+}
+
 // Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
-Surroundings over_lobe(vec3 v, vec3 n, float roughness, float footprint) {
+Surroundings over_lobe(vec3 position, vec3 v, vec3 n, float roughness, float footprint) {
     float cosine = max(dot(n, v), MIN_COSINE);
     vec3 side = v - cosine * n;
     float across = dot(side, side);
@@ -83,7 +101,7 @@ Surroundings over_lobe(vec3 v, vec3 n, float roughness, float footprint) {
         LobeSample s = lobe_sample(local, alpha, i);
         if (s.weight > 0.0) {
             float width = max(s.width, footprint);
-            vec4 light = vec4(environment_mirror(world_from_local * s.light, width, params.mips), 1.0);
+            vec4 light = vec4(arriving(position, world_from_local * s.light, width), 1.0);
             facing += s.weight * (1.0 - s.fresnel) * light;
             grazed += s.weight * s.fresnel * light;
         }
@@ -93,14 +111,14 @@ Surroundings over_lobe(vec3 v, vec3 n, float roughness, float footprint) {
     return Surroundings(vec3(0.0), mean, (grazed.rgb + LEAST_WEIGHT * mean) / (grazed.a + LEAST_WEIGHT));
 }
 
-Surroundings seen(vec3 v, vec3 normal, float roughness, float footprint) {
+Surroundings seen(vec3 position, vec3 v, vec3 normal, float roughness, float footprint) {
     vec3 n = visible_normal(normal, v);
     Surroundings sky;
     if (params.samples == 0u) {
-        vec3 mirrored = environment_mirror(2.0 * dot(n, v) * n - v, footprint, params.mips);
+        vec3 mirrored = arriving(position, 2.0 * dot(n, v) * n - v, footprint);
         sky = Surroundings(vec3(0.0), mirrored, mirrored);
     } else {
-        sky = over_lobe(v, n, clamp(roughness, 0.0, 1.0), footprint);
+        sky = over_lobe(position, v, n, clamp(roughness, 0.0, 1.0), footprint);
     }
     sky.diffuse = environment_at(LOAD(environment_levels, params.mips), place_of(n));
     return sky;
@@ -108,11 +126,14 @@ Surroundings seen(vec3 v, vec3 normal, float roughness, float footprint) {
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
+    if (params.of_material != 0u && params.of_material != point.material + 1u) {
+        return;
+    }
     bool flat_shaded = params.normals == NORMALS_OF_TRIANGLES;
     vec3 normal = flat_shaded ? point.facing : LOAD(appearances, i).normal;
     View view = view_of(params.eye, point.position);
     float footprint = mirrored_footprint(point, visible_normal(normal, view.towards), view, flat_shaded);
-    STORE(surroundings, i, seen(view.towards, normal, LOAD(appearances, i).roughness, footprint));
+    STORE(surroundings, i, seen(point.position, view.towards, normal, LOAD(appearances, i).roughness, footprint));
 }
 
 #include "batch.glsl"

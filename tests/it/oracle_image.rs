@@ -49,6 +49,7 @@ fn scene(mesh: OracleMesh, color: [f32; 3], lighting: Lighting) -> OracleScene {
         camera: camera(),
         lighting,
         shading: Shading::Phong,
+        bounces: 0,
         uv_channels: 1,
         aovs: AOVS.to_vec(),
     }

@@ -45,6 +45,11 @@ mirrors! {
         pub mips: u32,
         pub samples: u32,
         pub eye: [f32; 4],
+        pub of_material: u32,
+        pub has_room: u32,
+        pub centre: [f32; 3],
+        pub low: [f32; 3],
+        pub high: [f32; 3],
     }
 
     pub struct LightAimsParams {

@@ -19,11 +19,48 @@ pub struct Surroundings {
     pub grazing: DVec3,
 }
 
+/// The box that an environment is seen of from a place in it, world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room {
+    /// Where the environment was seen from.
+    pub centre: DVec3,
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+impl Room {
+    /// Where a ray from `position` along `d` meets a wall, as the centre sees it, of any length; and how much narrower a
+    /// cone along it looks from there. Exact where all that is seen are the walls (box projection, Lagarde and Zanuttini
+    /// 2012).
+    #[must_use]
+    pub fn looked_up(&self, position: DVec3, d: DVec3) -> (DVec3, f64) {
+        let inverse = DVec3::ONE.copysign(d) / d.abs().max(DVec3::splat(1e-20));
+        let far = ((self.low - position) * inverse).max((self.high - position) * inverse);
+        let t = far.min_element().max(0.0);
+        let wall = position + t * d - self.centre;
+        (wall, t / wall.length().max(1e-10))
+    }
+}
+
+/// An environment, and the room that it shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    pub environment: &'a Environment,
+    pub room: Option<Room>,
+}
+
+impl Around<'_> {
+    fn arriving(&self, position: DVec3, d: DVec3, width: f64) -> DVec3 {
+        let (d, share) = self.room.map_or((d, 1.0), |room| room.looked_up(position, d));
+        self.environment.mirror(d, width * share)
+    }
+}
+
 /// At `position`, seen from `eye`: w = 1 a place, w = 0 the direction towards an orthographic camera. Without a roughness
 /// the surface is a mirror.
 #[must_use]
 pub fn seen(
-    environment: &Environment,
+    around: Around<'_>,
     position: DVec3,
     normal: DVec3,
     eye: DVec4,
@@ -32,12 +69,13 @@ pub fn seen(
 ) -> Surroundings {
     let v = (eye.truncate() - eye.w * position).normalize();
     let n = visible_normal(normal, v);
-    let diffuse = environment.diffuse(n);
+    let diffuse = around.environment.diffuse(n);
     let Some(roughness) = roughness else {
-        let mirrored = environment.mirror(2.0 * n.dot(v) * n - v, footprint);
+        let mirrored = around.arriving(position, 2.0 * n.dot(v) * n - v, footprint);
         return Surroundings { diffuse, facing: mirrored, grazing: mirrored };
     };
-    let [facing, grazing] = over_lobe(environment, v, n, roughness.clamp(0.0, 1.0), footprint);
+    let [facing, grazing] =
+        over_lobe(|d, width| around.arriving(position, d, width), v, n, roughness.clamp(0.0, 1.0), footprint);
     Surroundings { diffuse, facing, grazing }
 }
 
@@ -45,7 +83,7 @@ const LEAST_WEIGHT: f64 = 1e-6;
 const GOLDEN_TURN: f64 = 2.399_963_229_73;
 
 /// Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
-fn over_lobe(environment: &Environment, v: DVec3, n: DVec3, roughness: f64, footprint: f64) -> [DVec3; 2] {
+fn over_lobe(arriving: impl Fn(DVec3, f64) -> DVec3, v: DVec3, n: DVec3, roughness: f64, footprint: f64) -> [DVec3; 2] {
     let cosine = n.dot(v).max(MIN_COSINE);
     let side = v - cosine * n;
     let other = if n.x.abs() < 0.7 { DVec3::X } else { DVec3::Y };
@@ -56,7 +94,7 @@ fn over_lobe(environment: &Environment, v: DVec3, n: DVec3, roughness: f64, foot
     let (mut facing, mut grazed) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
     for sample in (0..LOBE_SAMPLES).map(|i| lobe_sample(local, alpha, i)).filter(|sample| sample.weight > 0.0) {
         let width = sample.width.max(footprint);
-        let light = environment.mirror(world_from_local * sample.light, width);
+        let light = arriving(world_from_local * sample.light, width);
         let (front, rest) = (sample.weight * (1.0 - sample.fresnel), sample.weight * sample.fresnel);
         facing = (facing.0 + front * light, facing.1 + front);
         grazed = (grazed.0 + rest * light, grazed.1 + rest);

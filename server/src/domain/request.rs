@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Digest,
     detail::{Sampling, Wrap},
+    environment::EnvironmentLayout,
     image::{AlphaMode, Filter, RenderLight, Shading},
 };
 
@@ -271,8 +272,21 @@ pub struct Look {
     pub filter: Filter,
     pub alpha: AlphaMode,
     pub shadows: Shadows,
-    /// Equirectangular map of radiance.
+    /// Map of radiance.
     pub environment: Option<Digest>,
+    pub environment_layout: EnvironmentLayout,
+    pub reflections: Vec<ReflectionRequest>,
+    /// Mirrors one behind the other that rays follow.
+    pub bounces: u32,
+}
+
+/// A material whose surfaces mirror what is around them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReflectionRequest {
+    /// Its name.
+    pub material: String,
+    pub size_px: u32,
+    pub in_room: bool,
 }
 
 /// Whether surfaces take each other's light.

@@ -65,6 +65,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
         camera,
         lighting: looks::lighting(&request.look, scene, looks::environment(&request.look, context.assets)?),
         shading: request.look.shading,
+        bounces: request.look.bounces,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

@@ -27,6 +27,7 @@ pub(super) fn render_scene(
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials);
+    let reflectors = looks::reflectors(&request.look, scene)?;
     let materials = looks::materials(scene, &sets, request.look.alpha)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
@@ -44,6 +45,8 @@ pub(super) fn render_scene(
         shading: request.look.shading,
         shadows: request.look.shadows,
         filter: request.look.filter,
+        reflectors,
+        bounces: request.look.bounces,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

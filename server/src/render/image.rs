@@ -23,7 +23,7 @@ use crate::{
         report::PassTime,
         request::Aov,
     },
-    render::JobContext,
+    render::{JobContext, reflection::reflections},
     vulkan::{Device, Recorder},
 };
 
@@ -41,11 +41,18 @@ pub fn render(
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
     let (side, fine) = (plan.supersample, plan.fine());
+    let mut around = Vec::new();
+    let reflections = reflections(scene, |plan, scene| {
+        let (images, times) = render(device, job, plan, scene)?;
+        around.extend(times);
+        Ok(images)
+    })?;
     let mut run = Run { device, job, times: Vec::new() };
+    around.into_iter().for_each(|time| run.add(time));
     let shadow_maps = shadow_map::make(&mut run, scene)?;
     let mut tables = Tables::new(&fine, scene)?;
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
-    let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
+    let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
         streams.record_light(recorder)
@@ -168,15 +175,18 @@ impl Run<'_> {
         let mut recorder = self.device.recorder(self.job.cancel, &crate::domain::cancel::NoProgress);
         passes(&mut recorder)?;
         for time in recorder.finish()? {
-            let time = PassTime::from(time);
-            match self.times.iter_mut().find(|known| known.name == time.name) {
-                Some(known) => {
-                    known.ms += time.ms;
-                    known.bytes += time.bytes;
-                }
-                None => self.times.push(time),
-            }
+            self.add(PassTime::from(time));
         }
         Ok(())
+    }
+
+    fn add(&mut self, time: PassTime) {
+        match self.times.iter_mut().find(|known| known.name == time.name) {
+            Some(known) => {
+                known.ms += time.ms;
+                known.bytes += time.bytes;
+            }
+            None => self.times.push(time),
+        }
     }
 }

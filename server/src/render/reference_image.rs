@@ -42,6 +42,7 @@ use super::{
         empty_images,
         tables::{self, Tables},
     },
+    reflection::{Reflection, reflections},
 };
 
 use layers::{NOTHING, Samples, Seen, distinct};
@@ -71,7 +72,8 @@ fn traced(job: &JobContext<'_>, plan: &ImagePlan, rays: Rays, scene: &RenderScen
 
 fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<ImageSet> {
     let (side, fine) = (plan.supersample, plan.fine());
-    let oracle = Oracle::new(&fine, scene)?;
+    let reflections = reflections(scene, |plan, scene| rasterised(job, plan, scene))?;
+    let oracle = Oracle::new(&fine, scene, &reflections)?;
     let triangles = oracle.screen_triangles();
     job.cancel.check()?;
     let bands = bands(&triangles, fine.height);
@@ -152,9 +154,9 @@ struct Oracle<'a> {
 }
 
 impl<'a> Oracle<'a> {
-    fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
+    fn new(plan: &ImagePlan, scene: &'a RenderScene, reflections: &[Reflection]) -> Result<Self> {
         let tables = Tables::new(plan, scene)?;
-        let light = LightModel::new(plan, scene, &tables)?;
+        let light = LightModel::new(plan, scene, &tables, reflections)?;
         Ok(Self { scene, tables, width: plan.width, shader: Shader::new(scene), light })
     }
 

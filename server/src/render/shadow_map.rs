@@ -71,8 +71,7 @@ impl ShadowPlan {
             }
             LightShape::Point { position_world, .. } | LightShape::Spot { position_world, .. } => {
                 let eye = wide(position_world);
-                let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-                for axis in axes {
+                for axis in AXES {
                     let face = self.push(Lens::new(eye, axis, 1.0, near(eye, corners), SIDE_PX), SIDE_PX);
                     self.faces.push(face);
                 }
@@ -81,11 +80,7 @@ impl ShadowPlan {
     }
 
     fn push(&mut self, lens: Lens, size: u32) -> ShadowFace {
-        let camera = RenderCamera {
-            view_from_world: lens.view_from_world.as_mat4().to_cols_array(),
-            clip_from_view: lens.clip_from_view.as_mat4().to_cols_array(),
-            eye_world: lens.eye.as_vec3().to_array(),
-        };
+        let camera = lens.camera();
         let texel_from_world = pixel_from_world(&camera, [size; 2]);
         let row = |k: usize| texel_from_world.row(k).as_vec4().to_array();
         let face = ShadowFace {
@@ -104,6 +99,14 @@ impl ShadowPlan {
     }
 }
 
+const AXES: [DVec3; SHADOW_FACES] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+
+/// Cameras along +x, -x, +y, -y, +z, -z from a place in a scene so large, that see a little more than a quarter turn each.
+pub(crate) fn sides(eye: DVec3, reach: f64, size: u32) -> [RenderCamera; SHADOW_FACES] {
+    let near = NEAR_SHARE * if reach > 0.0 { reach } else { 1.0 };
+    AXES.map(|axis| Lens::new(eye, axis, 1.0, near, size).camera())
+}
+
 struct Lens {
     eye: DVec3,
     view_from_world: DMat4,
@@ -113,6 +116,14 @@ struct Lens {
 }
 
 impl Lens {
+    fn camera(&self) -> RenderCamera {
+        RenderCamera {
+            view_from_world: self.view_from_world.as_mat4().to_cols_array(),
+            clip_from_view: self.clip_from_view.as_mat4().to_cols_array(),
+            eye_world: self.eye.as_vec3().to_array(),
+        }
+    }
+
     /// From a place; `tangent` of the half angle that is needed.
     fn new(eye: DVec3, forward: DVec3, tangent: f64, near: f64, size: u32) -> Self {
         let tangent = tangent / (1.0 - 2.0 * MARGIN_PX / f64::from(size));
@@ -197,6 +208,7 @@ pub(crate) fn stopping(scene: &RenderScene) -> RenderScene {
         lighting: Lighting { lights: Vec::new(), environment: None, ..scene.lighting.clone() },
         shading: Shading::Flat,
         shadows: Shadows::None,
+        reflectors: Vec::new(),
         aovs: Vec::new(),
         ..scene.clone()
     }

@@ -42,6 +42,8 @@ pub struct ImageContents {
     pub has_layers: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
+    /// Of the environments of reflectors.
+    pub reflection_texels: u64,
     /// Lights that cast shadows.
     pub shadow_lights: u32,
     /// Of the maps of what lights see.
@@ -112,7 +114,8 @@ impl ImageContents {
         let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
         // The map with its mips, and its irradiance.
-        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16));
+        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16))
+            + self.reflection_texels * 16 * 4 / 3;
         let maps = self.texels * 16 * 4 / 3 + environment;
         self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps + self.shadow_map_texels * 16
     }
@@ -131,7 +134,7 @@ impl ImageContents {
             + 16 * u64::from(self.map_slots)
             + 4 * u64::from(self.shadow_lights)
             + if self.has_occluders { 16 * u64::from(self.shadow_lights) } else { 0 }
-            + if self.environment.is_some() { 36 } else { 0 };
+            + if self.environment.is_some() || self.reflection_texels > 0 { 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();

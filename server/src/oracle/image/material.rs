@@ -40,6 +40,13 @@ pub(super) struct Look {
     pub(super) unlit: bool,
 }
 
+impl Look {
+    /// Whether rays that meet it can be followed one by one.
+    pub(super) fn is_mirror(&self) -> bool {
+        self.metallic >= 1.0 && self.roughness <= 0.0
+    }
+}
+
 impl Corners<'_> {
     fn uv(&self, channel: usize) -> DVec2 {
         let uv = |v: usize| DVec2::from_array(self.mesh.uvs[v * self.uv_channels + channel].map(f64::from));

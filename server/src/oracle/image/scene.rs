@@ -18,6 +18,8 @@ pub struct OracleScene {
     pub camera: RenderCamera,
     pub lighting: Lighting,
     pub shading: Shading,
+    /// Mirrors one behind the other that rays follow: metals of roughness 0 under `Shading::Pbr`.
+    pub bounces: u32,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -75,6 +77,7 @@ impl From<&RenderScene> for OracleScene {
             camera: scene.camera,
             lighting: scene.lighting.clone(),
             shading: scene.shading,
+            bounces: scene.bounces,
             uv_channels: scene.uv_channels,
             aovs: scene.aovs.clone(),
         }

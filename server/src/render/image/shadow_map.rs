@@ -39,7 +39,7 @@ pub(crate) fn make(run: &mut Run<'_>, scene: &RenderScene) -> Result<Option<Shad
     scene.camera = plan.sides[0].camera;
     let mut tables = Tables::new(&image_plan(&scene, &plan.sides[0].face)?, &scene)?;
     let textures = Textures::new(&scene, &mut tables.texture_uses)?;
-    let mut streams = SceneStreams::upload(run.device, &scene, &tables, &textures)?;
+    let mut streams = SceneStreams::upload(run.device, &scene, &tables, &textures, &[])?;
     run.record(|recorder| textures.record_mips(recorder, &streams.texels))?;
     let widest = plan.sides.iter().map(|side| side.face).max_by_key(|face| face.size);
     let widest = image_plan(&scene, &widest.unwrap_or_default())?;

@@ -12,7 +12,7 @@ use displace_glsl::{
         shade_phong::{Reflected, from_surroundings, reflected},
         shadow_map::ShadowMaps,
         shadow_rays::Ray,
-        surroundings::{Change, Surroundings, mirrored_footprint, seen},
+        surroundings::{Around, Change, Room, Surroundings, mirrored_footprint, seen},
     },
 };
 use glam::{DVec3, DVec4};
@@ -31,6 +31,7 @@ use crate::{
     render::{
         image::{light::directions, shading::eye_and_depth, tables::Tables},
         occluders::Shade,
+        reflection::Reflection,
     },
 };
 
@@ -38,6 +39,8 @@ pub(super) struct LightModel {
     shade: Option<Shade>,
     shadow_maps: Option<ShadowMaps>,
     environment: Option<Environment>,
+    /// By material.
+    reflections: Vec<(u32, Environment, Option<Room>)>,
     /// What surfaces reflect, where the shading needs it.
     table: Option<Table>,
     shading: Shading,
@@ -49,7 +52,13 @@ pub(super) struct LightModel {
 }
 
 impl LightModel {
-    pub(super) fn new(plan: &ImagePlan, scene: &RenderScene, tables: &Tables) -> Result<Self> {
+    /// `reflections`: what reflectors see.
+    pub(super) fn new(
+        plan: &ImagePlan,
+        scene: &RenderScene,
+        tables: &Tables,
+        reflections: &[Reflection],
+    ) -> Result<Self> {
         let (eye, view_depth) = eye_and_depth(&scene.camera);
         let [eye, view_depth] = [eye, view_depth].map(|v| DVec4::from_array(v.map(f64::from)));
         let is_shaded = scene.shadows == Shadows::Ray && !tables.lights.is_empty();
@@ -58,6 +67,7 @@ impl LightModel {
             shade: if is_shaded { Some(Shade::new(scene, tables)?) } else { None },
             shadow_maps: shadow_map::made(scene)?,
             environment: scene.lighting.environment.as_ref().map(|map| environment(map)),
+            reflections: reflections.iter().map(|r| (r.material, environment(&r.environment), r.room)).collect(),
             table: (shading == Shading::Pbr).then(Table::new),
             shading,
             ambient: f64::from(scene.lighting.ambient),
@@ -84,7 +94,7 @@ impl LightModel {
         }
         let share = |(l, light)| self.share(l, light, hit, &is_opaque);
         let shares: Vec<f64> = lights.iter().enumerate().map(share).collect();
-        let sky = self.environment.as_ref().map(|environment| self.sky(environment, hit));
+        let sky = self.around(hit).map(|around| self.sky(around, hit));
         match &self.table {
             Some(table) => {
                 let place =
@@ -128,7 +138,14 @@ impl LightModel {
         }
     }
 
-    fn sky(&self, environment: &Environment, hit: &Hit) -> Surroundings {
+    /// What a place sees.
+    fn around(&self, hit: &Hit) -> Option<Around<'_>> {
+        let own = self.reflections.iter().find(|(material, ..)| *material == hit.material);
+        let own = own.map(|(_, environment, room)| Around { environment, room: *room });
+        own.or_else(|| self.environment.as_ref().map(|environment| Around { environment, room: None }))
+    }
+
+    fn sky(&self, around: Around<'_>, hit: &Hit) -> Surroundings {
         let is_flat = self.shading == Shading::Flat;
         let normal = if is_flat { hit.facing } else { hit.look.normal };
         let still = if is_flat { [DVec3::ZERO; 2] } else { hit.change.normal };
@@ -136,7 +153,7 @@ impl LightModel {
         let v = (self.eye.truncate() - self.eye.w * hit.position).normalize();
         let footprint = mirrored_footprint(&change, visible_normal(normal, v), hit.position, self.eye);
         let roughness = self.table.as_ref().map(|_| hit.look.roughness);
-        seen(environment, hit.position, normal, self.eye, roughness, footprint)
+        seen(around, hit.position, normal, self.eye, roughness, footprint)
     }
 
     /// Of light number `l`, as `arriving_of` reads it.

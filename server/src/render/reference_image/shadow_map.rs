@@ -16,7 +16,7 @@ pub(super) fn made(scene: &RenderScene) -> Result<Option<ShadowMaps>> {
     let mut scene = stopping(scene);
     for Side { camera, face } in &plan.sides {
         scene.camera = *camera;
-        let oracle = Oracle::new(&image_plan(&scene, face)?, &scene)?;
+        let oracle = Oracle::new(&image_plan(&scene, face)?, &scene, &[])?;
         maps.depths.extend(depths(&oracle, face.size));
     }
     Ok(Some(maps))
