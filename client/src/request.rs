@@ -8,8 +8,9 @@ use displace_proto::v1::{self, layer, view};
 
 use crate::{
     args::{
-        AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LightArg, LightArgs, LookArgs, MethodArg,
-        MomentsArg, PresetArg, ProjectionArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg, values::Swizzle,
+        AlphaArg, AovArg, CameraArgs, ChannelArg, CompressArg, FilterArg, LayoutArg, LightArg, LightArgs, LookArgs,
+        MethodArg, MomentsArg, PresetArg, ProjectionArg, SamplingArg, ShadingArg, ShadowsArg, SpaceArg, WrapArg,
+        values::Swizzle,
     },
     error::{Error, Result},
     mesh_files::{self, MeshFiles},
@@ -235,6 +236,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
     let shadows = match args.shadows {
         ShadowsArg::None => v1::Shadows::None,
         ShadowsArg::Ray => v1::Shadows::Ray,
+        ShadowsArg::Map => v1::Shadows::Map,
     };
     let shading = match args.shading {
         ShadingArg::Flat => v1::Shading::Flat,
@@ -258,6 +260,16 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         MomentsArg::Off => v1::Moments::Off,
         MomentsArg::On => v1::Moments::On,
     };
+    let environment_layout = match args.env_layout {
+        LayoutArg::Equirect => v1::EnvironmentLayout::Equirect,
+        LayoutArg::Cube => v1::EnvironmentLayout::Cube,
+        LayoutArg::Sphere => v1::EnvironmentLayout::Sphere,
+    };
+    let reflection = |material: &String| v1::Reflection {
+        material: material.clone(),
+        size: args.reflect_size,
+        r#box: args.reflect_box,
+    };
     v1::Lighting {
         lights: look.light.iter().map(light).collect(),
         ambient: look.ambient,
@@ -267,14 +279,21 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         environment,
         alpha: alpha.into(),
         moments: moments.into(),
+        environment_layout: environment_layout.into(),
+        reflections: args.reflect.iter().map(reflection).collect(),
+        bounces: args.bounces,
     }
 }
 
 fn light(light: &LightArg) -> v1::Light {
     use v1::light::Shape;
     let shape = match light {
-        LightArg::Sun(direction) => Shape::Sun(v1::Sun { direction: direction.to_vec() }),
-        LightArg::Point(position) => Shape::Point(v1::PointLight { position: position.to_vec() }),
+        LightArg::Sun(direction, angular_diameter_degrees) => {
+            Shape::Sun(v1::Sun { direction: direction.to_vec(), angular_diameter_degrees: *angular_diameter_degrees })
+        }
+        LightArg::Point(position, radius) => {
+            Shape::Point(v1::PointLight { position: position.to_vec(), radius: *radius })
+        }
     };
     v1::Light { shape: Some(shape), intensity: None }
 }

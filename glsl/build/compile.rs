@@ -13,7 +13,7 @@ use glslang::{
 
 /// JIT time on software drivers grows faster than the code of a shader. 20 KiB is the rule; the interpreter of
 /// expressions with derivatives needs more.
-const MAX_CODE_BYTES: usize = 28 << 10;
+const MAX_CODE_BYTES: usize = 34 << 10;
 
 pub(crate) struct Compiled {
     /// File stem, which is also the name of the pass.

@@ -1,19 +1,5 @@
-// Lights that have a place or a direction (KHR_lights_punctual). Needs `lights` and, where there are shadows, `shadows`
-// in scope. Mirrored in layout.rs.
-struct Light {
-    vec3 position;  // world; of the sun, none
-    uint kind;      // LIGHT_*
-    vec3 direction; // world, unit: towards a sun; where a spot points
-    float range;    // world units; 0: endless
-    vec3 color;     // linear: irradiance of a sun (lux), intensity of others (candela)
-    float cone_scale; // of a spot: attenuation is clamp(cosine * scale + offset, 0, 1)^2
-    float cone_offset;
-    float radius;   // world units of a ball that shines, 0: a point
-};
-
-const uint LIGHT_SUN = 0u;
-const uint LIGHT_POINT = 1u;
-const uint LIGHT_SPOT = 2u;
+// What arrives of lights. Needs `lights` and, where there are shadows, `shadows` in scope.
+#include "light.glsl"
 
 // What arrives at a place if nothing is in between.
 struct Incoming {
@@ -28,7 +14,8 @@ Incoming incoming(Light light, vec3 position) {
     vec3 way = light.position - position;
     float squared = max(dot(way, way), 1e-20);
     vec3 direction = way * inversesqrt(squared);
-    float share = 1.0 / squared;
+    // Not inside of a ball.
+    float share = 1.0 / max(squared, light.radius * light.radius);
     if (light.range > 0.0) {
         float near = squared / (light.range * light.range);
         share *= clamp(1.0 - near * near, 0.0, 1.0);
@@ -38,4 +25,23 @@ Incoming incoming(Light light, vec3 position) {
         share *= inside * inside;
     }
     return Incoming(direction, light.color * share);
+}
+
+// What arrives from sample k of a light: it is as bright all over, so that a plane which faces a ball takes what it takes
+// of a point.
+Incoming incoming_of(Light light, vec3 position, uint k, vec2 turn) {
+    Incoming all = incoming(light, position);
+    if (light.radius <= 0.0) {
+        return all;
+    }
+    vec3 way = light.position - position;
+    float sine = light_sine(light, way);
+    float cosine = sqrt(max(1.0 - sine * sine, 0.0));
+    vec3 direction = light_direction(light, way, k, turn);
+    return Incoming(direction, all.irradiance * (2.0 / ((1.0 + cosine) * float(LIGHT_SAMPLES))));
+}
+
+// What of sample k arrives: `stored` is the share of the whole light, or below 0 holds a bit for each sample.
+float arriving_of(float stored, uint k) {
+    return stored < 0.0 ? float((uint(-1.0 - stored) >> k) & 1u) : stored;
 }

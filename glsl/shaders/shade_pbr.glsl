@@ -1,5 +1,6 @@
 // Light by the metallic-roughness model (glTF 2.0, appendix B): of lights that have a place or a direction, of an
-// environment by the split sum (Karis 2013), and of surroundings that are equally bright all over. A thread per fragment.
+// environment as `surroundings` has sampled it through the lobe, times a table of albedo, and of surroundings that are
+// equally bright all over. A thread per fragment.
 // With MOMENTS, lights meet all normals that a fragment covers.
 #include "common.glsl"
 #include "pages.glsl"
@@ -29,7 +30,7 @@ layout(push_constant, scalar) uniform ShadePbrParams {
 PAGED(0, readonly, SurfacePoint, points);
 PAGED(1, readonly, Appearance, appearances);
 PAGED(2, readonly, Light, lights);
-PAGED(3, readonly, float, shadows); // share of each light that arrives, `lights` for each fragment
+PAGED(3, readonly, float, shadows); // of each light, as `arriving_of` reads it, `lights` for each fragment
 PAGED(4, readonly, Surroundings, surroundings);
 PAGED(5, readonly, vec3, brdf_table);
 PAGED(6, writeonly, vec4, radiance);
@@ -93,19 +94,25 @@ vec3 shaded(uint i, SurfacePoint point, Appearance a) {
     Albedo seen = albedo(surface, clamp(dot(n, v), MIN_COSINE, 1.0), multiple);
     vec3 color = a.emissive + a.occlusion * from_everywhere(i, surface, seen, n, v, point.normal);
     [[dont_unroll]] for (uint l = 0u; l < params.lights; ++l) {
-        float arriving = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
-        Incoming light = incoming(LOAD(lights, l), point.position);
+        float stored = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
+        Light whole = LOAD(lights, l);
+        vec2 turn = light_turn(point.pixel, l);
+        [[dont_unroll]] for (uint k = 0u; k < light_samples(whole); ++k) {
+            float arriving = arriving_of(stored, k);
+            Incoming light = incoming_of(whole, point.position, k, turn);
 #ifdef MOMENTS
-        if (arriving > 0.0) {
-            color += light.irradiance * reflected_pi(i, surface, seen, n, v, light.direction, multiple) * (arriving / PI);
-        }
+            if (arriving > 0.0) {
+                vec3 share = reflected_pi(i, surface, seen, n, v, light.direction, multiple);
+                color += light.irradiance * share * (arriving / PI);
+            }
 #else
-        float cosine = dot(n, light.direction);
-        if (arriving > 0.0 && cosine > 0.0) {
-            vec3 share = brdf_pi(surface, seen, n, v, light.direction, multiple);
-            color += light.irradiance * share * (arriving * cosine / PI);
-        }
+            float cosine = dot(n, light.direction);
+            if (arriving > 0.0 && cosine > 0.0) {
+                vec3 share = brdf_pi(surface, seen, n, v, light.direction, multiple);
+                color += light.irradiance * share * (arriving * cosine / PI);
+            }
 #endif
+        }
     }
     return color;
 }

@@ -27,7 +27,7 @@ layout(push_constant, scalar) uniform Params {
 PAGED(0, readonly, SurfacePoint, points);
 PAGED(1, readonly, Appearance, appearances);
 PAGED(2, readonly, Light, lights);
-PAGED(3, readonly, float, shadows); // share of each light that arrives, `lights` for each fragment
+PAGED(3, readonly, float, shadows); // of each light, as `arriving_of` reads it, `lights` for each fragment
 PAGED(4, readonly, vec3, positions);
 PAGED(5, readonly, vec3, normals);
 PAGED(6, readonly, vec4, instance_rows);
@@ -50,8 +50,14 @@ struct Reflected {
     vec3 specular;
 };
 
-Reflected reflected(Light light, vec3 position, vec3 normal) {
-    Incoming arriving = incoming(light, position);
+// The k-th sample of a light, as the pixel turns it.
+struct Sample {
+    uint k;
+    vec2 turn;
+};
+
+Reflected reflected(Light light, Sample s, vec3 position, vec3 normal) {
+    Incoming arriving = incoming_of(light, position, s.k, s.turn);
     float cosine = dot(normal, arriving.direction);
     if (cosine <= 0.0) {
         return Reflected(vec3(0.0), vec3(0.0));
@@ -64,17 +70,17 @@ Reflected reflected(Light light, vec3 position, vec3 normal) {
 }
 
 // At vertex k of the triangle.
-Reflected at_vertex(SurfacePoint point, Light light, uint k) {
+Reflected at_vertex(SurfacePoint point, Light light, Sample s, uint k) {
     uint row = point.instance * INSTANCE_ROWS;
     vec3 position = mapped(row + WORLD_ROW, vec4(LOAD(positions, point.vertices[k]), 1.0));
     vec3 normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(LOAD(normals, point.vertices[k]), 0.0)));
-    return reflected(light, position, point.flip * normal);
+    return reflected(light, s, position, point.flip * normal);
 }
 
-Reflected blended(SurfacePoint point, Light light) {
+Reflected blended(SurfacePoint point, Light light, Sample s) {
     Reflected sum = Reflected(vec3(0.0), vec3(0.0));
     [[dont_unroll]] for (uint k = 0u; k < 3u; ++k) {
-        Reflected corner = at_vertex(point, light, k);
+        Reflected corner = at_vertex(point, light, s, k);
         sum.diffuse += point.at[k] * corner.diffuse;
         sum.specular += point.at[k] * corner.specular;
     }
@@ -89,14 +95,14 @@ vec3 centre(SurfacePoint point) {
     return mapped(point.instance * INSTANCE_ROWS + WORLD_ROW, vec4(sum, 1.0));
 }
 
-Reflected of_light(SurfacePoint point, vec3 normal, Light light) {
+Reflected of_light(SurfacePoint point, vec3 normal, Light light, Sample s) {
     if (params.normals == NORMALS_OF_VERTICES) {
-        return blended(point, light);
+        return blended(point, light, s);
     }
     if (params.normals == NORMALS_OF_TRIANGLES) {
-        return reflected(light, centre(point), point.facing);
+        return reflected(light, s, centre(point), point.facing);
     }
-    return reflected(light, point.position, normal);
+    return reflected(light, s, point.position, normal);
 }
 
 void element(uint i) {
@@ -110,10 +116,15 @@ void element(uint i) {
             color += a.occlusion * (a.base.rgb * sky.diffuse + params.reflectivity * sky.facing);
         }
         [[dont_unroll]] for (uint l = 0u; l < params.lights; ++l) {
-            float arriving = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
-            if (arriving > 0.0) {
-                Reflected light = of_light(point, a.normal, LOAD(lights, l));
-                color += arriving * (a.base.rgb * light.diffuse + light.specular);
+            float stored = params.shadowed != 0u ? LOAD(shadows, i * params.lights + l) : 1.0;
+            Light whole = LOAD(lights, l);
+            Sample s = Sample(0u, light_turn(point.pixel, l));
+            [[dont_unroll]] for (; s.k < light_samples(whole); ++s.k) {
+                float arriving = arriving_of(stored, s.k);
+                if (arriving > 0.0) {
+                    Reflected light = of_light(point, a.normal, whole, s);
+                    color += arriving * (a.base.rgb * light.diffuse + light.specular);
+                }
             }
         }
     }

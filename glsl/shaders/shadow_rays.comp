@@ -1,13 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which lights are seen from each fragment: a ray to each, stopped by any opaque triangle. A thread per fragment and
-// light. The test of triangles is watertight (Woop, Benthin and Wald 2013): edges belong to both sides, so no ray slips
+// Which lights are seen from each fragment: a ray to sample k of each as `light_aims` has it, stopped by any opaque
+// triangle. A thread per fragment and light. The test of triangles is watertight (Woop, Benthin and Wald 2013): edges belong to both sides, so no ray slips
 // through between neighbours.
 #include "common.glsl"
 #include "pages.glsl"
 #include "surface_point.glsl"
-#include "appearance.glsl"
-#include "lights.glsl"
 #include "bvh.glsl"
 #include "raster_tables.glsl"
 #include "material.glsl"
@@ -20,6 +18,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Params {
     uint count; // fragments x lights
     uint lights;
+    uint k;
     uint nodes;
     uint part_last;
     uint uv_channels;
@@ -28,20 +27,19 @@ layout(push_constant, scalar) uniform Params {
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
-PAGED(1, readonly, Appearance, appearances);
-PAGED(2, readonly, Light, lights);
-PAGED(3, readonly, BvhNode, nodes);
-PAGED(4, readonly, vec3, occluder_corners); // world, three for each occluder
-PAGED(5, readonly, uint, occluders);        // triangle << 1, and whether it is the last of its node
-PAGED(6, readonly, Part, parts);
-PAGED(7, readonly, uvec3, triangles);
-PAGED(8, readonly, Material, materials);
-PAGED(9, readonly, vec4, colors);
-PAGED(10, readonly, vec2, uvs);
-PAGED(11, readonly, TextureUse, maps);
-PAGED(12, readonly, uvec4, levels);
-PAGED(13, readonly, TexelPair, texels);
-PAGED(14, writeonly, float, shadows); // 1: the light is seen
+PAGED(1, readonly, vec4, aims); // direction, and how far; 0: nowhere
+PAGED(2, readonly, BvhNode, nodes);
+PAGED(3, readonly, vec3, occluder_corners); // world, three for each occluder
+PAGED(4, readonly, uint, occluders);        // triangle << 1, and whether it is the last of its node
+PAGED(5, readonly, Part, parts);
+PAGED(6, readonly, uvec3, triangles);
+PAGED(7, readonly, Material, materials);
+PAGED(8, readonly, vec4, colors);
+PAGED(9, readonly, vec2, uvs);
+PAGED(10, readonly, TextureUse, maps);
+PAGED(11, readonly, uvec4, levels);
+PAGED(12, readonly, TexelPair, texels);
+PAGED(13, , float, shadows); // as `arriving_of` reads it
 #include "texture.glsl"
 
 // A ray in its own axes: `z` is where it points most, and the others are sheared along it.
@@ -161,18 +159,13 @@ bool is_stopped(vec3 origin, vec3 direction, float end) {
 }
 
 void element(uint i) {
-    uint fragment = i / params.lights;
-    SurfacePoint point = LOAD(points, fragment);
-    Light light = LOAD(lights, i % params.lights);
-    Incoming arriving = incoming(light, point.position);
-    vec3 normal = LOAD(appearances, fragment).normal;
-    float seen = 0.0;
-    if (dot(normal, arriving.direction) > 0.0 || normal == vec3(0.0)) {
-        float end = light.kind == LIGHT_SUN ? 3.0e38 : distance(light.position, point.position);
-        vec3 origin = point.position + point.facing * params.offset_world;
-        seen = is_stopped(origin, arriving.direction, end) ? 0.0 : 1.0;
+    SurfacePoint point = LOAD(points, i / params.lights);
+    vec4 aim = LOAD(aims, i);
+    vec3 origin = point.position + point.facing * params.offset_world;
+    if (aim.w > 0.0 && !is_stopped(origin, aim.xyz, aim.w)) {
+        float seen = LOAD(shadows, i);
+        STORE(shadows, i, seen < 0.0 ? seen - float(1u << params.k) : 1.0);
     }
-    STORE(shadows, i, seen);
 }
 
 #include "batch.glsl"

@@ -89,7 +89,7 @@ void element(uint i) {
     vec3 place = mapped(row + WORLD_ROW, vec4(position * b.at, 1.0));
     STORE(points, i, SurfacePoint(
         fragment.id, part.material, fragment.extra, part.instance, triangle, v, b.at, b.dx, b.dy, place, n,
-        flip * front_of(row, position), flip));
+        flip * front_of(row, position), flip, uint(fragment.at_px.x) | uint(fragment.at_px.y) << 16));
 }
 
 #include "batch.glsl"

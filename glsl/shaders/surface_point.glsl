@@ -13,4 +13,5 @@ struct SurfacePoint {
     vec3 normal;    // world, interpolated and made unit, towards the viewer's side; zero where there is none
     vec3 facing;    // world, of the triangle, towards the viewer; zero where it has no area
     float flip;     // -1 where the back is seen, 1 elsewhere
+    uint pixel;     // column, and row << 16
 };

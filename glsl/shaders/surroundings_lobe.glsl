@@ -18,6 +18,11 @@ layout(push_constant, scalar) uniform SurroundingsParams {
     uint mips;    // levels of the environment's map; irradiance follows
     uint samples; // of a lobe; 0: every surface is a mirror
     vec4 eye;     // w = 1: a place; w = 0: the direction towards an orthographic camera
+    uint of_material; // 1 + the material that sees this environment; 0: all do
+    uint has_room;    // whether what is seen are the walls of a box, from a place in it
+    vec3 centre;      // world
+    vec3 low;
+    vec3 high;
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -82,6 +87,23 @@ vec3 irradiance_at(vec3 n) {
     return environment_at(LOAD(environment_levels, params.mips), place_of(n));
 }
 
+bool is_seen_by(uint material) {
+    return params.of_material == 0u || params.of_material == material + 1u;
+}
+
+// What arrives from `d`: in a room, from where the wall is met, as its centre sees that (box projection, Lagarde and
+// Zanuttini 2012).
+vec3 arriving(vec3 position, vec3 d, float width) {
+    if (params.has_room == 0u) {
+        return environment_mirror(d, width, params.mips);
+    }
+    vec3 inverse = mix(vec3(1.0), vec3(-1.0), lessThan(d, vec3(0.0))) / max(abs(d), vec3(1e-20));
+    vec3 far = max((params.low - position) * inverse, (params.high - position) * inverse);
+    float t = max(min(min(far.x, far.y), far.z), 0.0);
+    vec3 wall = position + t * d - params.centre;
+    return environment_mirror(wall, width * t * inversesqrt(max(dot(wall, wall), 1e-20)), params.mips);
+}
+
 // Sums over a lobe, and of their weights.
 struct LobeSums {
     vec4 facing;
@@ -89,10 +111,10 @@ struct LobeSums {
 };
 
 // Adds a sample, no finer than the pixel's footprint.
-void add_sample(inout LobeSums sums, LobeSample s, mat3 world_from_local, float footprint) {
+void add_sample(inout LobeSums sums, vec3 position, LobeSample s, mat3 world_from_local, float footprint) {
     if (s.weight > 0.0) {
         float width = max(s.width, footprint);
-        vec4 light = vec4(environment_mirror(world_from_local * s.light, width, params.mips), 1.0);
+        vec4 light = vec4(arriving(position, world_from_local * s.light, width), 1.0);
         sums.facing += s.weight * (1.0 - s.fresnel) * light;
         sums.grazing += s.weight * s.fresnel * light;
     }

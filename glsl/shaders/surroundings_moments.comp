@@ -23,7 +23,8 @@ float added_area(Spread spread, float alpha) {
     vec2 wider = 2.0 * variance + alpha * alpha;
     return 4.0 * PI / float(params.samples) * (sqrt(wider.x * wider.y) - alpha * alpha);
 }
-Surroundings over_normals(vec3 v, vec3 n, Spread spread, float roughness, float footprint) {
+
+Surroundings over_normals(vec3 position, vec3 v, vec3 n, Spread spread, float roughness, float footprint) {
     float alpha = max(roughness * roughness, MIN_ALPHA);
     float added = added_area(spread, alpha);
     vec3 diffuse = vec3(0.0);
@@ -33,7 +34,7 @@ Surroundings over_normals(vec3 v, vec3 n, Spread spread, float roughness, float 
         float cosine = max(dot(tilted, v), MIN_COSINE);
         LobeSample s = lobe_sample(in_lobe_frame(cosine), alpha, i);
         s.width = sqrt(s.width * s.width + cosine * added);
-        add_sample(sums, s, lobe_frame(v, tilted, cosine), footprint);
+        add_sample(sums, position, s, lobe_frame(v, tilted, cosine), footprint);
         diffuse += irradiance_at(tilted) / float(params.samples);
     }
     return of_sums(sums, diffuse);
@@ -41,11 +42,15 @@ Surroundings over_normals(vec3 v, vec3 n, Spread spread, float roughness, float 
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
+    if (!is_seen_by(point.material)) {
+        return;
+    }
     View view = view_of(params.eye, point.position);
     vec3 n = visible_normal(LOAD(appearances, i).normal, view.towards);
     float footprint = mirrored_footprint(point, n, view, false);
     float roughness = clamp(LOAD(appearances, i).roughness, 0.0, 1.0);
-    STORE(surroundings, i, over_normals(view.towards, n, LOAD(spreads, i), roughness, footprint));
+    vec3 at = point.position;
+    STORE(surroundings, i, over_normals(at, view.towards, n, LOAD(spreads, i), roughness, footprint));
 }
 
 #include "batch.glsl"

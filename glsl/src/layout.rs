@@ -43,5 +43,6 @@ pub mod light;
 pub mod lists;
 pub mod raster;
 pub mod refine;
+pub mod shadow;
 pub mod simplify;
 pub mod smooth;

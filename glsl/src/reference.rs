@@ -46,6 +46,7 @@ pub mod samples;
 pub mod scan;
 pub mod shade_pbr;
 pub mod shade_phong;
+pub mod shadow_map;
 pub mod shadow_rays;
 pub mod site;
 pub mod smooth;

@@ -7,6 +7,8 @@ pub mod passes;
 pub mod reference;
 pub mod reference_image;
 pub mod refine;
+mod reflection;
+mod shadow_map;
 pub mod tessellate;
 pub mod vulkan;
 

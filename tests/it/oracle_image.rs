@@ -51,6 +51,7 @@ fn scene(mesh: OracleMesh, color: [f32; 3], lighting: Lighting) -> OracleScene {
         lighting,
         shading: Shading::Phong,
         projection: Projection::Uv,
+        bounces: 0,
         uv_channels: 1,
         aovs: AOVS.to_vec(),
     }

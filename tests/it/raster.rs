@@ -6,11 +6,12 @@ mod bump;
 mod filters;
 mod light;
 mod looks;
-mod moments;
 mod mapping;
+mod moments;
 mod passes;
 pub(crate) mod projection;
 pub(crate) mod scenes;
+mod shadows;
 
 use std::{collections::HashSet, sync::OnceLock};
 

@@ -4,12 +4,25 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+/// How a map lays out light from everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutArg {
+    /// Longitude and latitude
+    Equirect,
+    /// Six squares: a cross of 4 x 3 or 3 x 4, or a row
+    Cube,
+    /// A mirror ball
+    Sphere,
+}
+
 /// Shadows of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ShadowsArg {
     None,
     /// By rays towards the lights
     Ray,
+    /// By what the lights see: faster, and off by a texel at edges
+    Map,
 }
 
 /// How light becomes colour.
@@ -63,9 +76,24 @@ pub(crate) enum MomentsArg {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Look")]
 pub(crate) struct LightArgs {
-    /// Surroundings that light the scene: an equirectangular map, Radiance HDR or OpenEXR
+    /// Surroundings that light the scene: Radiance HDR or OpenEXR
     #[arg(long, value_name = "HDR")]
     pub(crate) env: Option<PathBuf>,
+    /// How the map of --env lays light out
+    #[arg(long, value_enum, value_name = "KIND", default_value = "equirect", requires = "env")]
+    pub(crate) env_layout: LayoutArg,
+    /// A material that mirrors what is around it, repeatable: seen from the middle of its box
+    #[arg(long, value_name = "MATERIAL")]
+    pub(crate) reflect: Vec<String>,
+    /// Pixels each way of the six images of what a reflector sees
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=1024), requires = "reflect")]
+    pub(crate) reflect_size: u32,
+    /// What reflectors see are the walls of the box around all else
+    #[arg(long, requires = "reflect")]
+    pub(crate) reflect_box: bool,
+    /// Mirrors one behind the other that rays follow, with --device reference and --supersample
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=16))]
+    pub(crate) bounces: u32,
     /// Shadows of lights that have a place or a direction
     #[arg(long, value_enum, value_name = "KIND", default_value = "none")]
     pub(crate) shadows: ShadowsArg,

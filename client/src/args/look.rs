@@ -50,9 +50,9 @@ pub(crate) struct LookArgs {
     /// Where maps are read, in images: at texture coordinates, or where the place in the mesh is projected to
     #[arg(long, value_enum, value_name = "KIND", default_value = "uv")]
     pub(crate) projection: ProjectionArg,
-    /// A light, repeatable: the direction towards a sun, or the place of a point light, world space [default: the
-    /// file's, else 1,1,1]
-    #[arg(long, value_name = "X,Y,Z|point:X,Y,Z", value_parser = light, allow_hyphen_values = true)]
+    /// A light, repeatable: the direction towards a sun and how large it looks, or the place of a point light and its
+    /// radius, world space [default: the file's, else 1,1,1]
+    #[arg(long, value_name = "X,Y,Z[@DEGREES]|point:X,Y,Z[,R]", value_parser = light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
     /// Ambient light, linear, 0 to 1 [default: 0.2]
     #[arg(long, value_name = "A", value_parser = unit_interval, allow_hyphen_values = true)]

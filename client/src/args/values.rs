@@ -75,17 +75,40 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
 /// A light: where from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LightArg {
-    /// Towards the light.
-    Sun([f32; 3]),
-    Point([f32; 3]),
+    /// Towards the light, and how large it looks, degrees.
+    Sun([f32; 3], f32),
+    /// And the radius of the ball, world units.
+    Point([f32; 3], f32),
 }
 
-/// `X,Y,Z` or `point:X,Y,Z`.
+/// `X,Y,Z[@DEGREES]` or `point:X,Y,Z[,RADIUS]`.
 pub(crate) fn light(text: &str) -> Result<LightArg, String> {
     match text.split_once(':') {
-        Some(("point", place)) => point(place).map(LightArg::Point),
-        Some((kind, _)) => Err(format!("'{kind}' is no kind of light; give X,Y,Z or point:X,Y,Z")),
-        None => direction(text).map(LightArg::Sun),
+        Some(("point", place)) => ball(place),
+        Some((kind, _)) => Err(format!(
+            "'{kind}' is no kind of light; give X,Y,Z or X,Y,Z@DEGREES, or point:X,Y,Z or point:X,Y,Z,RADIUS"
+        )),
+        None => sun(text),
+    }
+}
+
+fn ball(text: &str) -> Result<LightArg, String> {
+    let expected = "expected point:X,Y,Z or point:X,Y,Z,RADIUS, world units, such as point:0,2,1,0.25";
+    match numbers(text).ok_or(expected)?[..] {
+        [x, y, z] => Ok(LightArg::Point([x, y, z], 0.0)),
+        [x, y, z, radius] if (0.0..=1e6).contains(&radius) => Ok(LightArg::Point([x, y, z], radius)),
+        [_, _, _, _] => Err("the radius must be 0 to 1e6 world units".to_owned()),
+        _ => Err(expected.to_owned()),
+    }
+}
+
+fn sun(text: &str) -> Result<LightArg, String> {
+    let Some((towards, degrees)) = text.split_once('@') else {
+        return direction(text).map(|towards| LightArg::Sun(towards, 0.0));
+    };
+    match finite(degrees)? {
+        degrees if (0.0..=170.0).contains(&degrees) => Ok(LightArg::Sun(direction(towards)?, degrees)),
+        _ => Err("a sun looks 0 to 170 degrees large, such as 1,2,1@0.53".to_owned()),
     }
 }
 
@@ -210,6 +233,17 @@ mod tests {
         assert_eq!(size("1280x720"), Ok(Size { width: 1280, height: 720 }));
         for bad in ["1280", "0x5", "5x0", "-1x5", "99999x1", "x"] {
             assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_light_may_have_a_size() {
+        assert_eq!(light("1,2,3"), Ok(LightArg::Sun([1.0, 2.0, 3.0], 0.0)));
+        assert_eq!(light("1,2,3@0.5"), Ok(LightArg::Sun([1.0, 2.0, 3.0], 0.5)));
+        assert_eq!(light("point:1,2,3"), Ok(LightArg::Point([1.0, 2.0, 3.0], 0.0)));
+        assert_eq!(light("point:1,2,3,0.25"), Ok(LightArg::Point([1.0, 2.0, 3.0], 0.25)));
+        for bad in ["0,0,0@1", "1,2,3@", "1,2,3@171", "point:1,2", "point:1,2,3,-1", "point:1,2,3,4,5", "ball:1,2,3"] {
+            assert!(light(bad).is_err(), "{bad}");
         }
     }
 

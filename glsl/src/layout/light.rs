@@ -45,6 +45,17 @@ mirrors! {
         pub mips: u32,
         pub samples: u32,
         pub eye: [f32; 4],
+        pub of_material: u32,
+        pub has_room: u32,
+        pub centre: [f32; 3],
+        pub low: [f32; 3],
+        pub high: [f32; 3],
+    }
+
+    pub struct LightAimsParams {
+        pub count: u32,
+        pub lights: u32,
+        pub k: u32,
     }
 
     /// What a fragment sees of an environment.

@@ -64,6 +64,7 @@ mirrors! {
         pub normal: [f32; 3],
         pub facing: [f32; 3],
         pub flip: f32,
+        pub pixel: u32,
     }
 
     pub struct Appearance {
@@ -86,6 +87,7 @@ mirrors! {
     pub struct ShadowRaysParams {
         pub count: u32,
         pub lights: u32,
+        pub k: u32,
         pub nodes: u32,
         pub part_last: u32,
         pub uv_channels: u32,

@@ -8,7 +8,7 @@ use super::{
     appearance::Appearance,
     brdf::{DIELECTRIC_F0, MIN_COSINE, Reflectance, albedo, around, brdf, grazing, visible_normal},
     brdf_table::Table,
-    lights::incoming,
+    lights::{arriving_of, incoming_of, samples, turn},
     lobe_of_normals::Scatter,
     moments::Spread,
     surroundings::Surroundings,
@@ -20,7 +20,7 @@ use crate::layout::raster::{Light, MATERIAL_UNLIT};
 pub struct Lighting<'a> {
     pub table: &'a Table,
     pub lights: &'a [Light],
-    /// Share of each light that arrives.
+    /// What of each light arrives, as `arriving_of` reads it.
     pub shares: &'a [f64],
     /// Radiance of white surroundings.
     pub ambient: f64,
@@ -38,6 +38,8 @@ pub struct Place {
     pub spread: Spread,
     /// w = 1 a place, w = 0 the direction towards an orthographic camera.
     pub eye: DVec4,
+    /// Where on the image it is seen.
+    pub pixel: [u32; 2],
 }
 
 /// Linear radiance towards the eye, and alpha.
@@ -52,9 +54,12 @@ pub fn radiance(a: &Appearance, place: &Place, lighting: &Lighting<'_>, sky: &Su
     let surface = Reflectance::new(base, a.metallic, a.roughness);
     let mut color = a.emissive + a.occlusion * from_everywhere(&surface, lighting, sky, [n, v, place.normal]);
     let normals = Scatter::new(n, &place.spread);
-    for (light, share) in lighting.lights.iter().zip(lighting.shares) {
-        let light = incoming(light, place.position);
-        color += light.irradiance * reflected(&surface, lighting, &normals, v, light.direction) * *share;
+    for (l, (light, share)) in lighting.lights.iter().zip(lighting.shares).enumerate() {
+        for k in 0..samples(light) {
+            let light = incoming_of(light, place.position, k, turn(place.pixel, l as u32));
+            let reflected = reflected(&surface, lighting, &normals, v, light.direction);
+            color += light.irradiance * reflected * arriving_of(*share, k);
+        }
     }
     color.extend(a.base.w)
 }
@@ -115,7 +120,7 @@ mod tests {
 
     fn seen_under(cosine: f64) -> Place {
         let eye = DVec4::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine, 0.0);
-        Place { position: DVec3::ZERO, normal: DVec3::Z, spread: Spread::default(), eye }
+        Place { position: DVec3::ZERO, normal: DVec3::Z, spread: Spread::default(), eye, pixel: [0; 2] }
     }
 
     #[test]

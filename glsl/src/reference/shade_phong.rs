@@ -4,8 +4,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
-use super::{lights::incoming, surroundings::Surroundings};
-use crate::layout::raster::Light;
+use super::{lights::Incoming, surroundings::Surroundings};
 
 const SPECULAR_STRENGTH: f64 = 0.2;
 const SPECULAR_EXPONENT: f64 = 32.0;
@@ -36,8 +35,7 @@ impl Reflected {
 
 /// At `position`, seen from `eye`: w = 1 a place, w = 0 the direction towards an orthographic camera.
 #[must_use]
-pub fn reflected(light: &Light, position: DVec3, normal: DVec3, eye: glam::DVec4) -> Reflected {
-    let arriving = incoming(light, position);
+pub fn reflected(arriving: &Incoming, position: DVec3, normal: DVec3, eye: glam::DVec4) -> Reflected {
     let cosine = normal.dot(arriving.direction);
     if cosine <= 0.0 {
         return Reflected::default();

@@ -22,11 +22,48 @@ pub struct Surroundings {
     pub grazing: DVec3,
 }
 
+/// The box that an environment is seen of from a place in it, world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room {
+    /// Where the environment was seen from.
+    pub centre: DVec3,
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+impl Room {
+    /// Where a ray from `position` along `d` meets a wall, as the centre sees it, of any length; and how much narrower a
+    /// cone along it looks from there. Exact where all that is seen are the walls (box projection, Lagarde and Zanuttini
+    /// 2012).
+    #[must_use]
+    pub fn looked_up(&self, position: DVec3, d: DVec3) -> (DVec3, f64) {
+        let inverse = DVec3::ONE.copysign(d) / d.abs().max(DVec3::splat(1e-20));
+        let far = ((self.low - position) * inverse).max((self.high - position) * inverse);
+        let t = far.min_element().max(0.0);
+        let wall = position + t * d - self.centre;
+        (wall, t / wall.length().max(1e-10))
+    }
+}
+
+/// An environment, and the room that it shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    pub environment: &'a Environment,
+    pub room: Option<Room>,
+}
+
+impl Around<'_> {
+    fn arriving(&self, position: DVec3, d: DVec3, width: f64) -> DVec3 {
+        let (d, share) = self.room.map_or((d, 1.0), |room| room.looked_up(position, d));
+        self.environment.mirror(d, width * share)
+    }
+}
+
 /// At `position`, seen from `eye`: w = 1 a place, w = 0 the direction towards an orthographic camera. Without a roughness
 /// the surface is a mirror.
 #[must_use]
 pub fn seen(
-    environment: &Environment,
+    around: Around<'_>,
     position: DVec3,
     normal: DVec3,
     eye: DVec4,
@@ -35,19 +72,20 @@ pub fn seen(
 ) -> Surroundings {
     let v = (eye.truncate() - eye.w * position).normalize();
     let n = visible_normal(normal, v);
-    let diffuse = environment.diffuse(n);
+    let diffuse = around.environment.diffuse(n);
     let Some(roughness) = roughness else {
-        let mirrored = environment.mirror(2.0 * n.dot(v) * n - v, footprint);
+        let mirrored = around.arriving(position, 2.0 * n.dot(v) * n - v, footprint);
         return Surroundings { diffuse, facing: mirrored, grazing: mirrored };
     };
-    let [facing, grazing] = over_lobe(environment, v, roughness.clamp(0.0, 1.0), footprint, |_| (n, 0.0));
+    let arriving = |d, width| around.arriving(position, d, width);
+    let [facing, grazing] = over_lobe(arriving, v, roughness.clamp(0.0, 1.0), footprint, |_| (n, 0.0));
     Surroundings { diffuse, facing, grazing }
 }
 
 /// Twin of `surroundings_moments`: the same where many normals lie under the fragment, each sample with its own.
 #[must_use]
 pub fn seen_by_normals(
-    environment: &Environment,
+    around: Around<'_>,
     position: DVec3,
     normal: DVec3,
     spread: &Spread,
@@ -60,8 +98,10 @@ pub fn seen_by_normals(
     let roughness = roughness.clamp(0.0, 1.0);
     let added = added_area(spread, (roughness * roughness).max(MIN_ALPHA));
     let normal = |i: u32| visible_normal(sampled_normal(n, spread, i), v);
-    let [facing, grazing] = over_lobe(environment, v, roughness, footprint, |i| (normal(i), added));
-    let diffuse = (0..LOBE_SAMPLES).map(|i| environment.diffuse(normal(i))).sum::<DVec3>() / f64::from(LOBE_SAMPLES);
+    let arriving = |d, width| around.arriving(position, d, width);
+    let [facing, grazing] = over_lobe(arriving, v, roughness, footprint, |i| (normal(i), added));
+    let diffuse =
+        (0..LOBE_SAMPLES).map(|i| around.environment.diffuse(normal(i))).sum::<DVec3>() / f64::from(LOBE_SAMPLES);
     Surroundings { diffuse, facing, grazing }
 }
 
@@ -86,7 +126,7 @@ const PLASTIC_TURN: f64 = 4.743_036_25;
 /// Means over the lobe by filtered importance sampling (Krivanek and Colbert 2008), no finer than the pixel's footprint.
 /// `normal`: of each sample, and the solid angle that others add to what it fills.
 fn over_lobe(
-    environment: &Environment,
+    arriving: impl Fn(DVec3, f64) -> DVec3,
     v: DVec3,
     roughness: f64,
     footprint: f64,
@@ -102,7 +142,7 @@ fn over_lobe(
             continue;
         }
         let width = (sample.width.powi(2) + local.z * added).sqrt().max(footprint);
-        let light = environment.mirror(world_from_local * sample.light, width);
+        let light = arriving(world_from_local * sample.light, width);
         let (front, rest) = (sample.weight * (1.0 - sample.fresnel), sample.weight * sample.fresnel);
         facing = (facing.0 + front * light, facing.1 + front);
         grazed = (grazed.0 + rest * light, grazed.1 + rest);

@@ -55,6 +55,7 @@ fn settings_attributes(settings: &ImageSettings) -> Vec<(&'static str, Attribute
     let shadows = match settings.shadows {
         Shadows::None => "none",
         Shadows::Ray => "ray",
+        Shadows::Map => "map",
     };
     let mut attributes = vec![
         ("displace.samples", AttributeValue::I32(settings.samples as i32)),
@@ -67,7 +68,7 @@ fn settings_attributes(settings: &ImageSettings) -> Vec<(&'static str, Attribute
         ("displace.build", text(&settings.build)),
         ("displace.residual_world", AttributeValue::F64(settings.residual_world)),
     ];
-    if let [RenderLight { shape: LightShape::Sun { direction_world }, color }] = settings.lighting.lights[..] {
+    if let [RenderLight { shape: LightShape::Sun { direction_world }, color, .. }] = settings.lighting.lights[..] {
         attributes.push(("displace.light_direction", vector(direction_world)));
         attributes.push(("displace.light_color", vector(color)));
     }

@@ -1,11 +1,16 @@
 //! Surroundings that light a scene: an equirectangular map of linear radiance.
 
+mod layout;
+
 use rayon::prelude::*;
 
 use super::{
     Error, Result,
     maps::{Pixels, decode},
 };
+
+pub use layout::EnvironmentLayout;
+pub(crate) use layout::panorama;
 
 /// Most texels of a map: 8192 x 4096. On a device it takes 16 bytes a texel, its mips a third more.
 pub const MAX_TEXELS: u64 = 1 << 25;
@@ -25,6 +30,11 @@ pub struct Environment {
 impl Environment {
     /// Reads a Radiance HDR or OpenEXR file, whatever it is called.
     pub fn decode(bytes: &[u8]) -> Result<Self> {
+        Self::decode_as(bytes, EnvironmentLayout::Equirect)
+    }
+
+    /// The same, of another layout.
+    pub fn decode_as(bytes: &[u8], layout: EnvironmentLayout) -> Result<Self> {
         check_format(bytes)?;
         let pixels = decode(FIELD, bytes)?;
         check_size(&pixels)?;
@@ -34,7 +44,7 @@ impl Environment {
             let message = format!("texel ({x}, {y}) is {:?}; radiance is 0 or more: clamp the map", texels[at]);
             return Err(Error::invalid(FIELD, message));
         }
-        Ok(Self { width: pixels.width, height: pixels.height, texels })
+        layout.resampled(Self { width: pixels.width, height: pixels.height, texels })
     }
 }
 

@@ -4,6 +4,7 @@ mod alpha;
 mod bump;
 mod lighting;
 mod plan;
+pub mod shadow_map;
 
 use std::sync::Arc;
 
@@ -47,6 +48,10 @@ pub struct RenderScene {
     pub shadows: Shadows,
     pub filter: Filter,
     pub projection: Projection,
+    /// Materials that mirror what is around them, each at most once.
+    pub reflectors: Vec<Reflector>,
+    /// Mirrors one behind the other that rays follow; the rasteriser follows none.
+    pub bounces: u32,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -68,8 +73,11 @@ impl RenderScene {
             texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
-            shadow_lights: if self.shadows == Shadows::Ray { self.lighting.lights.len() as u32 } else { 0 },
+            shadow_lights: if self.shadows == Shadows::None { 0 } else { self.lighting.lights.len() as u32 },
+            shadow_map_texels: if self.shadows == Shadows::Map { shadow_map::texels(&self.lighting.lights) } else { 0 },
+            has_occluders: self.shadows == Shadows::Ray,
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
+            reflection_texels: self.reflectors.iter().map(|r| 8 * u64::from(r.size_px).pow(2)).sum(),
             has_layers: self.materials.iter().any(|material| material.alpha == RenderAlpha::Blend),
             has_tangents: self.meshes.iter().any(|mesh| !mesh.tangents.is_empty()),
             has_moments: self.has_map(MAP_NORMAL_MOMENTS),
@@ -98,6 +106,17 @@ fn distinct<'a>(maps: impl Iterator<Item = &'a Arc<ColorMap>>) -> impl Iterator<
     maps.sort_by_key(|map| Arc::as_ptr(map));
     maps.dedup_by_key(|map| Arc::as_ptr(map));
     maps.into_iter()
+}
+
+/// A material whose surfaces see what is around the middle of their box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reflector {
+    /// Index into `materials`.
+    pub material: u32,
+    /// Of each of six images.
+    pub size_px: u32,
+    /// What is seen are the walls of a box, that of all else.
+    pub in_room: bool,
 }
 
 #[derive(Clone, Debug, Default)]

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Digest,
     detail::{Sampling, Wrap},
+    environment::EnvironmentLayout,
     image::{AlphaMode, Filter, RenderLight, Shading},
 };
 
@@ -280,10 +281,23 @@ pub struct Look {
     pub filter: Filter,
     pub alpha: AlphaMode,
     pub shadows: Shadows,
-    /// Equirectangular map of radiance.
+    /// Map of radiance.
     pub environment: Option<Digest>,
     /// Whether slopes of normal maps are filtered with their second moments.
     pub moments: bool,
+    pub environment_layout: EnvironmentLayout,
+    pub reflections: Vec<ReflectionRequest>,
+    /// Mirrors one behind the other that rays follow.
+    pub bounces: u32,
+}
+
+/// A material whose surfaces mirror what is around them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReflectionRequest {
+    /// Its name.
+    pub material: String,
+    pub size_px: u32,
+    pub in_room: bool,
 }
 
 /// Whether surfaces take each other's light.
@@ -293,6 +307,8 @@ pub enum Shadows {
     None,
     /// By a ray towards the light.
     Ray,
+    /// By the depths that the light sees.
+    Map,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]

@@ -73,6 +73,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
         lighting: looks::lighting(&request.look, scene, looks::environment(&request.look, context.assets)?),
         shading: request.look.shading,
         projection: request.surface.maps.projection,
+        bounces: request.look.bounces,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

@@ -32,6 +32,7 @@ pub(super) fn render_scene(
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
     let sets = UvSets::of(&scene.materials, bumps);
+    let reflectors = looks::reflectors(&request.look, scene)?;
     let projection = request.surface.maps.projection;
     let shown = looks::Shown { alpha: request.look.alpha, projection, moments };
     let materials = looks::materials(scene, &sets, bumps, shown)?;
@@ -53,6 +54,8 @@ pub(super) fn render_scene(
         shadows: request.look.shadows,
         filter: request.look.filter,
         projection,
+        reflectors,
+        bounces: request.look.bounces,
         uv_channels: sets.count(),
         aovs: request.aovs.clone(),
     })

@@ -13,12 +13,13 @@ use crate::domain::{
     detail::Wrap,
     environment::Environment,
     image::{
-        AlphaMode, ColorMap, LightShape, Lighting, RenderAlpha, RenderBump, RenderLight, RenderMap, RenderMaterial,
+        AlphaMode, ColorMap, LightShape, Lighting, Reflector, RenderAlpha, RenderBump, RenderLight, RenderMap,
+        RenderMaterial,
     },
     maps::{self, Encoding, SlopeMaps},
     projection::Projection,
     report::Warning,
-    request::Look,
+    request::{Look, ReflectionRequest},
     scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
 };
 
@@ -74,12 +75,7 @@ pub(super) struct Shown {
 }
 
 /// The scene's materials, then one for primitives without.
-pub(super) fn materials(
-    scene: &mut Scene,
-    sets: &UvSets,
-    bumps: &Bumps,
-    shown: Shown,
-) -> Result<Vec<RenderMaterial>> {
+pub(super) fn materials(scene: &mut Scene, sets: &UvSets, bumps: &Bumps, shown: Shown) -> Result<Vec<RenderMaterial>> {
     let Shown { alpha, projection, moments } = shown;
     // Around a sphere a map goes on at its seam, and ends at the poles.
     let wrap = projection.is_sphere().then_some([Wrap::Repeat, Wrap::Clamp]);
@@ -177,8 +173,23 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS], al
 }
 
 pub(super) fn environment(look: &Look, assets: &dyn AssetReader) -> Result<Option<Arc<Environment>>> {
-    let decode = |digest: &Digest| Ok(Arc::new(Environment::decode(&assets.read(digest)?)?));
+    let decode =
+        |digest: &Digest| Ok(Arc::new(Environment::decode_as(&assets.read(digest)?, look.environment_layout)?));
     look.environment.as_ref().map(decode).transpose()
+}
+
+/// Which materials mirror what is around them.
+pub(super) fn reflectors(look: &Look, scene: &Scene) -> Result<Vec<Reflector>> {
+    let find = |(k, request): (usize, &ReflectionRequest)| {
+        let known = scene.materials.iter().position(|m| m.name.as_deref() == Some(request.material.as_str()));
+        let material = known.ok_or_else(|| {
+            let names: Vec<&str> = scene.materials.iter().filter_map(|m| m.name.as_deref()).collect();
+            let message = format!("the file has no material '{}'; it has: {}", request.material, names.join(", "));
+            Error::invalid(format!("lighting.reflections[{k}].material"), message)
+        })?;
+        Ok(Reflector { material: material as u32, size_px: request.size_px, in_room: request.in_room })
+    };
+    look.reflections.iter().enumerate().map(find).collect()
 }
 
 /// The request's lights; without any, the file's; without any and without an environment, a sun.
@@ -203,5 +214,5 @@ fn punctual(light: &PunctualLight) -> RenderLight {
             cone_cosines: [inner_cone_radians.cos(), outer_cone_radians.cos()],
         },
     };
-    RenderLight { shape, color: light.color.map(|c| c * light.intensity) }
+    RenderLight { shape, color: light.color.map(|c| c * light.intensity), radius: 0.0 }
 }

@@ -141,7 +141,7 @@ impl RenderWork {
         report.triangles = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
         report.vertices = scene.meshes.iter().map(|mesh| mesh.positions.len() as u64).sum();
         let rays = request.rays().ok_or_else(|| Error::internal("an exact image without rays"))?;
-        let shadows = rays.shadows == Shadows::Ray;
+        let shadows = rays.shadows != Shadows::None;
         let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };
         let trace = || oracle::image::render(&scene, &exposure, context.cancel, context.progress);
         let images = inputs::timed(context.progress, "image", &mut passes, trace)?;

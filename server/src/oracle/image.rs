@@ -53,7 +53,7 @@ use albedo::Albedo;
 use environment::Sky;
 use lobe::Directions;
 use sampling::Places;
-use shading::{Eye, Model, arriving};
+use shading::{Eye, Model, arriving_from};
 use view::View;
 use world::{Seen, World};
 
@@ -95,6 +95,7 @@ struct Camera<'s> {
     lighting: &'s Lighting,
     sky: Option<Sky<'s>>,
     shading: Shading,
+    bounces: u32,
     samples: u32,
     shadows: bool,
     wants_centre: bool,
@@ -113,6 +114,7 @@ impl<'s> Camera<'s> {
             lighting: &scene.lighting,
             sky: scene.lighting.environment.as_deref().map(Sky::new),
             shading: scene.shading,
+            bounces: scene.bounces,
             samples: exposure.samples,
             shadows: exposure.shadows,
             wants_centre: !scene.aovs.is_empty(),
@@ -124,38 +126,59 @@ impl<'s> Camera<'s> {
         let ray = |[u, v]: [f64; 2]| self.view.ray([corner[0] + u, corner[1] + v]);
         let places = Places::of_pixel(x, y);
         let by = [places.further(0), places.further(1)];
-        let radiance = |sample| self.radiance(&ray(places.at(sample)), &Directions { by, sample });
+        let eye = |ray: &Segment| self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
+        let radiance = |sample| {
+            let ray = ray(places.at(sample));
+            let follow =
+                Follow { eye: eye(&ray), places, directions: Directions { by, sample }, bounces: self.bounces };
+            self.radiance(&ray, &follow)
+        };
         let sum: DVec3 = (0..self.samples).map(radiance).sum();
         let centre = if self.wants_centre { self.world.seen(&ray([0.5; 2])) } else { None };
         let depth = centre.map_or(f64::INFINITY, |seen| self.view.depth(seen.position));
         Pixel { color: sum / f64::from(self.samples), depth, centre }
     }
 
-    fn radiance(&self, ray: &Segment, directions: &Directions) -> DVec3 {
+    fn radiance(&self, ray: &Segment, follow: &Follow) -> DVec3 {
         let (mut color, mut passes) = (DVec3::ZERO, 1.0);
         for seen in self.world.layers(ray) {
-            color += passes * seen.alpha * self.reflected(ray, &seen, directions);
+            color += passes * seen.alpha * self.reflected(ray, &seen, follow);
             passes *= 1.0 - seen.alpha;
         }
         color + passes * self.behind(ray.direction)
     }
 
     /// Radiance of a point towards where the ray comes from.
-    fn reflected(&self, ray: &Segment, seen: &Seen, directions: &Directions) -> DVec3 {
+    fn reflected(&self, ray: &Segment, seen: &Seen, follow: &Follow) -> DVec3 {
         if seen.look.unlit {
             return seen.look.base.truncate();
         }
-        let eye = self.view.eye().map_or(Eye::Towards(-ray.direction), Eye::At);
-        let model = Model::new(self.shading, seen, eye);
-        let of_light = |light| {
-            let color = model.direct(light);
-            let towards = arriving(light, seen.position);
+        if follow.bounces > 0 && self.shading == Shading::Pbr && seen.look.is_mirror() {
+            return self.mirrored(ray, seen, follow);
+        }
+        let model = Model::new(self.shading, seen, follow.eye);
+        let of_light = |(l, light)| {
+            // The first two are the surroundings'.
+            let at = follow.places.further(2 + l as u32).at(follow.directions.sample);
+            let color = model.direct(light, at);
+            let towards = arriving_from(light, seen.position, at);
             let is_dark = color == DVec3::ZERO
                 || (self.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
             if is_dark { DVec3::ZERO } else { color }
         };
-        let direct: DVec3 = self.lighting.lights.iter().map(of_light).sum();
-        direct + model.indirect(self.lighting, self.sky.as_ref(), directions)
+        let direct: DVec3 = self.lighting.lights.iter().enumerate().map(of_light).sum();
+        direct + model.indirect(self.lighting, self.sky.as_ref(), &follow.directions)
+    }
+
+    /// What a mirror shows, by Schlick's share of it (1994): of a metal, its base colour from the front.
+    fn mirrored(&self, ray: &Segment, seen: &Seen, follow: &Follow) -> DVec3 {
+        let view = -ray.direction;
+        let cosine = seen.look.normal.dot(view).clamp(0.0, 1.0);
+        let mirrored = self.world.leaving(seen, 2.0 * seen.look.normal.dot(view) * seen.look.normal - view);
+        let base = seen.look.base.truncate();
+        let share = base + (1.0 - base) * (1.0 - cosine).powi(5);
+        let follow = Follow { eye: Eye::At(seen.position), bounces: follow.bounces - 1, ..*follow };
+        seen.look.emissive + share * self.radiance(&mirrored, &follow)
     }
 
     /// What is seen in a unit direction where nothing is.
@@ -163,6 +186,15 @@ impl<'s> Camera<'s> {
         let background = || DVec3::from_array(self.lighting.background.map(f64::from));
         self.sky.as_ref().map_or_else(background, |sky| sky.radiance(direction))
     }
+}
+
+/// A ray under way: where its end is seen from, which samples follow it, and how many mirrors it may still meet.
+#[derive(Clone, Copy)]
+struct Follow {
+    eye: Eye,
+    places: Places,
+    directions: Directions,
+    bounces: u32,
 }
 
 /// What the images hold of one pixel.

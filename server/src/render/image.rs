@@ -8,6 +8,7 @@ mod layers;
 pub(crate) mod light;
 mod projected;
 pub(crate) mod shading;
+mod shadow_map;
 mod streams;
 pub(crate) mod tables;
 mod textures;
@@ -24,7 +25,7 @@ use crate::{
         report::PassTime,
         request::Aov,
     },
-    render::JobContext,
+    render::{JobContext, reflection::reflections},
     vulkan::{Device, Recorder},
 };
 
@@ -42,16 +43,32 @@ pub fn render(
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
     let (side, fine) = (plan.supersample, plan.fine());
+    let mut around = Vec::new();
+    let reflections = reflections(scene, |plan, scene| {
+        let (images, times) = render(device, job, plan, scene)?;
+        around.extend(times);
+        Ok(images)
+    })?;
+    let mut run = Run { device, job, times: Vec::new() };
+    around.into_iter().for_each(|time| run.add(time));
+    let shadow_maps = shadow_map::make(&mut run, scene)?;
     let mut tables = Tables::new(&fine, scene)?;
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
-    let mut run = Run { device, job, times: Vec::new() };
-    let streams = SceneStreams::upload(device, scene, &tables, &textures)?;
+    let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
         streams.record_light(recorder)
     })?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;
-    let frame = Frame { plan: &fine, side, scene, tables: &tables, streams: &streams, work: &work };
+    let frame = Frame {
+        plan: &fine,
+        side,
+        scene,
+        tables: &tables,
+        streams: &streams,
+        work: &work,
+        shadow_maps: shadow_maps.as_ref(),
+    };
     let mut images = empty_images(plan, scene);
     let slabs = slabs(&fine);
     for (done, slab) in slabs.iter().enumerate() {
@@ -79,6 +96,7 @@ pub(crate) struct Frame<'a> {
     tables: &'a Tables,
     streams: &'a SceneStreams,
     work: &'a WorkStreams,
+    shadow_maps: Option<&'a shadow_map::ShadowStreams>,
 }
 
 /// A rectangle of the image, pixels.
@@ -164,15 +182,18 @@ impl Run<'_> {
         let mut recorder = self.device.recorder(self.job.cancel, &crate::domain::cancel::NoProgress);
         passes(&mut recorder)?;
         for time in recorder.finish()? {
-            let time = PassTime::from(time);
-            match self.times.iter_mut().find(|known| known.name == time.name) {
-                Some(known) => {
-                    known.ms += time.ms;
-                    known.bytes += time.bytes;
-                }
-                None => self.times.push(time),
-            }
+            self.add(PassTime::from(time));
         }
         Ok(())
+    }
+
+    fn add(&mut self, time: PassTime) {
+        match self.times.iter_mut().find(|known| known.name == time.name) {
+            Some(known) => {
+                known.ms += time.ms;
+                known.bytes += time.bytes;
+            }
+            None => self.times.push(time),
+        }
     }
 }

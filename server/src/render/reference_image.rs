@@ -8,6 +8,7 @@ mod place;
 mod preimage;
 mod projected;
 mod shading;
+mod shadow_map;
 
 use displace_glsl::{
     layout::raster::{
@@ -44,6 +45,7 @@ use super::{
         empty_images,
         tables::{self, Tables},
     },
+    reflection::{Reflection, reflections},
 };
 
 use layers::{NOTHING, Samples, Seen, distinct};
@@ -67,14 +69,15 @@ pub fn render(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
 
 fn traced(job: &JobContext<'_>, plan: &ImagePlan, rays: Rays, scene: &RenderScene) -> Result<ImageSet> {
     tables::check(scene)?;
-    let shadows = rays.shadows == Shadows::Ray;
+    let shadows = rays.shadows != Shadows::None;
     let exposure = Exposure { width: plan.width, height: plan.height, samples: rays.samples, shadows };
     oracle::image::render(&OracleScene::from(scene), &exposure, job.cancel, job.progress)
 }
 
 fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<ImageSet> {
     let (side, fine) = (plan.supersample, plan.fine());
-    let oracle = Oracle::new(&fine, scene)?;
+    let reflections = reflections(scene, |plan, scene| rasterised(job, plan, scene))?;
+    let oracle = Oracle::new(&fine, scene, &reflections)?;
     let triangles = oracle.screen_triangles();
     job.cancel.check()?;
     let bands = bands(&triangles, fine.height);
@@ -159,9 +162,9 @@ struct Oracle<'a> {
 }
 
 impl<'a> Oracle<'a> {
-    fn new(plan: &ImagePlan, scene: &'a RenderScene) -> Result<Self> {
+    fn new(plan: &ImagePlan, scene: &'a RenderScene, reflections: &[Reflection]) -> Result<Self> {
         let tables = Tables::new(plan, scene)?;
-        let light = LightModel::new(plan, scene, &tables)?;
+        let light = LightModel::new(plan, scene, &tables, reflections)?;
         Ok(Self { scene, tables, width: plan.width, shader: Shader::new(scene), light })
     }
 

@@ -13,7 +13,7 @@ use displace_glsl::{
         moments::Spread,
         shade_pbr::{Lighting, Place, radiance},
         shade_phong::from_surroundings,
-        surroundings::{Change, Surroundings as Sky, mirrored_footprint, seen},
+        surroundings::{Around, Change, Surroundings as Sky, mirrored_footprint, seen},
     },
 };
 use displace_server::{
@@ -186,8 +186,14 @@ impl Scene {
             ("environment_texels", &environment.texels),
             ("surroundings", &found),
         ];
-        let params =
-            SurroundingsParams { count, normals: NORMALS_OF_PIXELS, mips: environment.mips, samples, eye: self.eye };
+        let params = SurroundingsParams {
+            count,
+            normals: NORMALS_OF_PIXELS,
+            mips: environment.mips,
+            samples,
+            eye: self.eye,
+            ..Default::default()
+        };
         run(|recorder| recorder.dispatch(&SHADERS.surroundings, count.into(), &params, &bound).expect("records"));
         found.read().expect("reads")
     }
@@ -202,7 +208,8 @@ fn what_fragments_see_of_an_environment_is_what_the_twin_sees() {
             let (position, normal) = (wide(point.position), wide(look.normal));
             let footprint = scene.footprint(point, normal);
             let roughness = (samples > 0).then_some(f64::from(look.roughness));
-            let expected = seen(&twin, position, normal, scene.eye(), roughness, footprint);
+            let around = Around { environment: &twin, room: None };
+            let expected = seen(around, position, normal, scene.eye(), roughness, footprint);
             let off = (wide(found.diffuse) - expected.diffuse).abs().max_element();
             assert!(off < 1e-4, "{found:?} for {expected:?}");
             for (found, expected) in [(found.facing, expected.facing), (found.grazing, expected.grazing)] {
@@ -268,6 +275,7 @@ fn light_of_the_metallic_roughness_model_is_that_of_the_twin() {
                 normal: wide(point.normal),
                 spread: Spread::default(),
                 eye: scene.eye(),
+                pixel: [0; 2],
             };
             let sky = twin_of(&sky[i]);
             let expected = radiance(&widened(look), &place, &lighting, &sky);

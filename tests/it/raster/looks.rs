@@ -85,6 +85,7 @@ pub(super) fn still_life() -> RenderScene {
                 cone_cosines: [0.95, 0.8],
             },
             color: [9.0, 6.0, 3.0],
+            radius: 0.0,
         },
     ];
     scene

@@ -82,7 +82,14 @@ fn lobes_are_near_the_integral_they_stand_for() {
             let v = DVec3::new(sine, 0.0, cosine);
             let pair = |n: DVec3| {
                 let term = |_, l: DVec3| visibility(surface.alpha, cosine, l.z) * l.z * light(around(n, l));
-                let sky = seen(&environment, DVec3::ZERO, n, around(n, v).extend(0.0), Some(roughness), 0.0);
+                let sky = seen(
+                    Around { environment: &environment, room: None },
+                    DVec3::ZERO,
+                    n,
+                    around(n, v).extend(0.0),
+                    Some(roughness),
+                    0.0,
+                );
                 let seen = albedo(&surface, &table, cosine, true);
                 let found = (seen.single - seen.grazing) * sky.facing + seen.grazing * sky.grazing;
                 (found.x, over_half_vectors(surface.alpha, v, term))
@@ -100,7 +107,8 @@ fn a_white_environment_stays_white() {
     let environment = Environment { irradiance: mips[0].clone(), mips };
     for (roughness, z) in [(0.0, 1.0), (0.0, 0.01), (0.3, 0.5), (1.0, 1.0), (1.0, 0.001)] {
         let eye = DVec4::new(f64::sqrt(1.0 - z * z), 0.0, z, 0.0);
-        let sky = seen(&environment, DVec3::ZERO, DVec3::Z, eye, Some(roughness), 0.0);
+        let sky =
+            seen(Around { environment: &environment, room: None }, DVec3::ZERO, DVec3::Z, eye, Some(roughness), 0.0);
         for light in [sky.diffuse, sky.facing, sky.grazing] {
             assert!((light - 1.0).abs().max_element() < 1e-12, "{roughness} {z}: {sky:?}");
         }
@@ -124,4 +132,32 @@ fn the_footprint_is_how_far_the_mirrored_direction_moves() {
     let expected = sides.map(|p| (mirrored(p) - mirrored(centre)).length() / step);
     let found = mirrored_footprint(&change, centre, centre, eye);
     assert!((found - expected[0].max(expected[1])).abs() < 1e-4 * found, "{found} {expected:?}");
+}
+
+#[test]
+fn in_a_box_every_ray_is_looked_up_where_it_meets_the_wall() {
+    let room =
+        Room { centre: DVec3::new(0.2, -0.3, 0.5), low: DVec3::new(-2.0, -1.0, -3.0), high: DVec3::new(1.0, 2.0, 4.0) };
+    let position = DVec3::new(-0.7, 0.4, 1.5);
+    for k in 0..200 {
+        let d = direction(f64::from(k) * 0.618_034 % 1.0, (f64::from(k) + 0.5) / 200.0);
+        let (wall, share) = room.looked_up(position, d);
+        let place = room.centre + wall;
+        let off = (place - position).normalize() - d;
+        let inside = (place - room.low).min(room.high - place);
+        assert!(off.length() < 1e-12 && inside.min_element().abs() < 1e-12, "{d}: {place}");
+        assert!((share * wall.length() - place.distance(position)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn an_environment_taken_for_endlessly_far_is_off_by_the_way_to_the_centre_over_the_distance() {
+    let room = Room { centre: DVec3::ZERO, low: DVec3::splat(-5.0), high: DVec3::splat(5.0) };
+    for (x, d) in [(DVec3::new(0.0, 0.5, 0.0), DVec3::X), (DVec3::new(0.01, 0.0, 0.2), DVec3::new(0.6, 0.8, 0.0))] {
+        let (wall, _) = room.looked_up(x, d);
+        let angle = wall.normalize().cross(d).length().asin();
+        let across = x.reject_from_normalized(d).length();
+        assert!((angle.sin() - across / wall.length()).abs() < 1e-12);
+        assert!(angle < x.length() / 5.0 + 1e-9);
+    }
 }

@@ -34,6 +34,8 @@ pub struct RenderLight {
     pub shape: LightShape,
     /// Linear: irradiance of a sun on what faces it, radiant intensity of others. Pi lights white diffuse to 1.
     pub color: [f32; 3],
+    /// Of a ball that shines, world units; of a sun, the sine of half its angular diameter; 0: a point.
+    pub radius: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,17 +60,16 @@ pub enum LightShape {
 }
 
 impl RenderLight {
-    /// Under which a white diffuse surface that faces it looks white.
     /// As bright as the sun at one unit of length.
     #[must_use]
     pub fn point(position_world: [f32; 3]) -> Self {
-        Self { shape: LightShape::Point { position_world, range_world: None }, color: [PI; 3] }
+        Self { shape: LightShape::Point { position_world, range_world: None }, color: [PI; 3], radius: 0.0 }
     }
 
     /// Under which a white diffuse surface that faces it looks white.
     #[must_use]
     pub fn sun(direction_world: [f32; 3]) -> Self {
-        Self { shape: LightShape::Sun { direction_world }, color: [PI; 3] }
+        Self { shape: LightShape::Sun { direction_world }, color: [PI; 3], radius: 0.0 }
     }
 }
 

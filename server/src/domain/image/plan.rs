@@ -44,10 +44,16 @@ pub struct ImageContents {
     pub is_projected: bool,
     /// Width and height of its map.
     pub environment: Option<[u32; 2]>,
-    /// Lights that cast shadows by rays.
+    /// Of the environments of reflectors.
+    pub reflection_texels: u64,
+    /// Lights that cast shadows.
     pub shadow_lights: u32,
     /// Some material's slopes are filtered with their moments.
     pub has_moments: bool,
+    /// Of the maps of what lights see.
+    pub shadow_map_texels: u64,
+    /// Rays meet the triangles.
+    pub has_occluders: bool,
     /// Kinds of maps that any material has.
     pub map_slots: u32,
     /// Some material's normals are bent by formulas.
@@ -111,12 +117,13 @@ impl ImageContents {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12 + if self.has_tangents { 48 } else { 0 };
         // Corners, number, and two nodes.
-        let per_occluder = if self.shadow_lights > 0 { 36 + 4 + 2 * 32 } else { 0 };
+        let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
         // The map with its mips, and its irradiance.
-        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16));
+        let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16))
+            + self.reflection_texels * 16 * 4 / 3;
         let maps = self.texels * 16 * 4 / 3 + environment;
-        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps
+        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps + self.shadow_map_texels * 16
     }
 
     /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
@@ -133,9 +140,10 @@ impl ImageContents {
             + 16 * u64::from(self.map_slots)
             + if self.has_formulas { 8 } else { 0 }
             + 4 * u64::from(self.shadow_lights)
+            + if self.has_occluders { 16 * u64::from(self.shadow_lights) } else { 0 }
             // A point to read maps at, its frame, and what one projection shows.
             + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
-            + if self.environment.is_some() { 36 } else { 0 }
+            + if self.environment.is_some() || self.reflection_texels > 0 { 36 } else { 0 }
             + if self.has_moments { 24 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };

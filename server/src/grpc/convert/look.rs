@@ -5,27 +5,45 @@ use displace_proto::v1;
 use super::{digest, join, known, vector, within};
 use crate::domain::{
     Error, Result,
+    environment::EnvironmentLayout,
     image::{AlphaMode, Filter, LightShape, RenderLight, Shading},
     projection::Projection,
-    request::{Look, LookMaps, Shadows},
+    request::{Look, LookMaps, ReflectionRequest, Shadows},
 };
 
 /// Where no environment lights the scene.
 const DEFAULT_AMBIENT: f32 = 0.2;
 const MOST_LIGHTS: usize = 16;
+const MOST_REFLECTIONS: usize = 8;
+/// Of each image of a reflector's surroundings.
+const REFLECTION_PX: u32 = 256;
+const MOST_BOUNCES: u32 = 16;
 
 pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> {
     let mut lighting = lighting.unwrap_or_default();
     let environment = lighting.environment.take();
+    let reflections = reflections(&join(path, "reflections"), std::mem::take(&mut lighting.reflections))?;
+    let bounces = at_most(&join(path, "bounces"), lighting.bounces, 0, MOST_BOUNCES)?;
     let ambient = if environment.is_some() { 0.0 } else { DEFAULT_AMBIENT };
     let shading = shading(&join(path, "shading"), lighting.shading)?;
     Ok(Look {
         lights: lights(&join(path, "lights"), lighting.lights)?,
         ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(ambient), 0.0, 1.0)?,
         environment: environment.map(|asset| digest(&join(path, "environment"), Some(&asset))).transpose()?,
+        environment_layout: match known::<v1::EnvironmentLayout>(
+            &join(path, "environment_layout"),
+            lighting.environment_layout,
+        )? {
+            v1::EnvironmentLayout::Unspecified | v1::EnvironmentLayout::Equirect => EnvironmentLayout::Equirect,
+            v1::EnvironmentLayout::Cube => EnvironmentLayout::Cube,
+            v1::EnvironmentLayout::Sphere => EnvironmentLayout::Sphere,
+        },
+        reflections,
+        bounces,
         shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
+            v1::Shadows::Map => Shadows::Map,
         },
         shading,
         moments: moments(&join(path, "moments"), lighting.moments, shading)?,
@@ -87,6 +105,32 @@ pub(super) fn maps(path: &str, look: Option<v1::Look>) -> Result<LookMaps> {
     })
 }
 
+fn reflections(path: &str, reflections: Vec<v1::Reflection>) -> Result<Vec<ReflectionRequest>> {
+    if reflections.len() > MOST_REFLECTIONS {
+        let message =
+            format!("has {} entries; allowed are up to {MOST_REFLECTIONS}: leave some out", reflections.len());
+        return Err(Error::invalid(path, message));
+    }
+    let parse = |(k, one): (usize, &v1::Reflection)| {
+        let path = format!("{path}[{k}]");
+        let is_new = reflections[..k].iter().all(|other| other.material != one.material);
+        if one.material.is_empty() || !is_new {
+            let field = join(&path, "material");
+            return Err(Error::invalid(field, "names no material, or one that an entry before it names: give another"));
+        }
+        let size_px = if one.size == 0 { REFLECTION_PX } else { at_most(&join(&path, "size"), one.size, 16, 1024)? };
+        Ok(ReflectionRequest { material: one.material.clone(), size_px, in_room: one.r#box })
+    };
+    reflections.iter().enumerate().map(parse).collect()
+}
+
+fn at_most(field: &str, value: u32, least: u32, most: u32) -> Result<u32> {
+    if (least..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}")))
+}
+
 fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {
     if lights.len() > MOST_LIGHTS {
         let message = format!("has {} entries; allowed are up to {MOST_LIGHTS}: leave some out", lights.len());
@@ -97,19 +141,23 @@ fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {
 
 fn light(path: &str, light: v1::Light) -> Result<RenderLight> {
     use v1::light::Shape;
-    let shape = match light.shape {
+    let (shape, radius) = match light.shape {
         Some(Shape::Sun(sun)) => {
             let field = join(path, "sun.direction");
-            LightShape::Sun { direction_world: unit(&field, vector(&field, &sun.direction)?)? }
+            let direction_world = unit(&field, vector(&field, &sun.direction)?)?;
+            let degrees =
+                within(&join(path, "sun.angular_diameter_degrees"), sun.angular_diameter_degrees, 0.0, 170.0)?;
+            (LightShape::Sun { direction_world }, (0.5 * f64::from(degrees)).to_radians().sin() as f32)
         }
-        Some(Shape::Point(point)) => LightShape::Point {
-            position_world: vector(&join(path, "point.position"), &point.position)?,
-            range_world: None,
-        },
+        Some(Shape::Point(point)) => {
+            let position_world = vector(&join(path, "point.position"), &point.position)?;
+            let radius = within(&join(path, "point.radius"), point.radius, 0.0, 1e6)?;
+            (LightShape::Point { position_world, range_world: None }, radius)
+        }
         None => return Err(Error::invalid(path, "has no shape; give a sun or a point")),
     };
     let intensity = within(&join(path, "intensity"), light.intensity.unwrap_or(1.0), 0.0, 1e6)?;
-    Ok(RenderLight { shape, color: [std::f32::consts::PI * intensity; 3] })
+    Ok(RenderLight { shape, color: [std::f32::consts::PI * intensity; 3], radius })
 }
 
 /// In f64, so that neither huge nor tiny vectors lose their direction.

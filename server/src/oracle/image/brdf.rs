@@ -67,8 +67,18 @@ impl Microfacets {
         let none = Shares { once: DVec3::ZERO, more: DVec3::ZERO, below: 1.0 };
         let alpha = roughness * roughness;
         let albedo = Albedo::table();
-        let mut surface =
-            Self { albedo, world_from_frame, view, base, metallic, roughness, alpha, seen: none, mean: none, once: 1.0 };
+        let mut surface = Self {
+            albedo,
+            world_from_frame,
+            view,
+            base,
+            metallic,
+            roughness,
+            alpha,
+            seen: none,
+            mean: none,
+            once: 1.0,
+        };
         surface.mean = surface.shares(albedo.mean(roughness));
         surface.seen = surface.shares(albedo.at(roughness, view.z));
         let [once, around] = [surface.seen.once, surface.around()].map(DVec3::element_sum);

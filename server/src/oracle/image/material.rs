@@ -48,6 +48,13 @@ pub(super) struct Look {
     pub(super) unlit: bool,
 }
 
+impl Look {
+    /// Whether rays that meet it can be followed one by one.
+    pub(super) fn is_mirror(&self) -> bool {
+        self.metallic >= 1.0 && self.roughness <= 0.0
+    }
+}
+
 impl Corners<'_> {
     pub(super) fn uv(&self, channel: usize) -> DVec2 {
         blend(self.weights, [0, 1, 2].map(|corner| self.uv_of_corner(channel, corner)))

@@ -8,7 +8,7 @@ use super::{
     brdf::{by_cosine, visible},
     environment::Sky,
     lobe::{self, Directions, Lobe},
-    shading::{Eye, arriving},
+    shading::{Eye, arriving_from},
     world::{Seen, blend},
 };
 use crate::domain::image::{REFLECTIVITY, RenderLight, Shading};
@@ -20,8 +20,8 @@ const SHININESS: i32 = 32;
 /// What comes back towards `eye` of a light that arrives, or 0 from behind: diffuse white, and the highlight.
 type Reflection = (DVec3, DVec3);
 
-fn reflection(light: &RenderLight, position: DVec3, normal: DVec3, eye: Eye) -> Reflection {
-    let light = arriving(light, position);
+fn reflection(light: &RenderLight, at: [f64; 2], position: DVec3, normal: DVec3, eye: Eye) -> Reflection {
+    let light = arriving_from(light, position, at);
     let cosine = normal.dot(light.direction);
     if cosine <= 0.0 {
         return (DVec3::ZERO, DVec3::ZERO);
@@ -40,18 +40,18 @@ pub(super) struct Phong<'s> {
 
 impl Phong<'_> {
     /// What comes back of a light towards the eye, were nothing in between.
-    pub(super) fn direct(&self, light: &RenderLight) -> DVec3 {
+    pub(super) fn direct(&self, light: &RenderLight, at: [f64; 2]) -> DVec3 {
         let (seen, eye) = (self.seen, self.eye);
         let (diffuse, highlight) = match self.shading {
             Shading::Flat => {
                 let centre = seen.vertices.iter().map(|vertex| vertex.0).sum::<DVec3>() / 3.0;
-                reflection(light, centre, seen.facing, eye)
+                reflection(light, at, centre, seen.facing, eye)
             }
             Shading::Gouraud => {
-                let of = seen.vertices.map(|(position, normal)| reflection(light, position, normal, eye));
+                let of = seen.vertices.map(|(position, normal)| reflection(light, at, position, normal, eye));
                 (blend(seen.weights, of.map(|r| r.0)), blend(seen.weights, of.map(|r| r.1)))
             }
-            Shading::Phong | Shading::Pbr => reflection(light, seen.position, seen.look.normal, eye),
+            Shading::Phong | Shading::Pbr => reflection(light, at, seen.position, seen.look.normal, eye),
         };
         diffuse * seen.look.base.truncate() + highlight
     }
@@ -94,8 +94,8 @@ mod tests {
 
     #[test]
     fn light_that_comes_back_the_way_it_came_is_brightest() {
-        let light = RenderLight { ..RenderLight::sun([0.0, 1.0, 0.0]) };
-        let at = |normal, eye| reflection(&light, DVec3::ZERO, normal, Eye::Towards(eye));
+        let light = RenderLight::sun([0.0, 1.0, 0.0]);
+        let at = |normal, eye| reflection(&light, [0.0; 2], DVec3::ZERO, normal, Eye::Towards(eye));
         let near = |a: DVec3, b: f64| (a - b).abs().max_element() < 1e-6;
         let (diffuse, highlight) = at(DVec3::Y, DVec3::Y);
         assert!(near(diffuse, 1.0) && near(highlight, 0.2), "{diffuse} {highlight}");

@@ -20,6 +20,8 @@ pub struct OracleScene {
     pub lighting: Lighting,
     pub shading: Shading,
     pub projection: Projection,
+    /// Mirrors one behind the other that rays follow: metals of roughness 0 under `Shading::Pbr`.
+    pub bounces: u32,
     /// Of each vertex; at least 1 where there are vertices.
     pub uv_channels: u32,
     pub aovs: Vec<Aov>,
@@ -81,6 +83,7 @@ impl From<&RenderScene> for OracleScene {
             lighting: scene.lighting.clone(),
             shading: scene.shading,
             projection: scene.projection,
+            bounces: scene.bounces,
             uv_channels: scene.uv_channels,
             aovs: scene.aovs.clone(),
         }

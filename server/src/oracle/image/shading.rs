@@ -42,6 +42,26 @@ pub(super) fn arriving(light: &RenderLight, position: DVec3) -> Arriving {
     }
 }
 
+/// The same of one direction towards a light that has a size; `at` is a place of [0, 1)². Directions are as likely as they
+/// count on a surface that faces the light, which so takes what it takes of one without a size.
+pub(super) fn arriving_from(light: &RenderLight, position: DVec3, at: [f64; 2]) -> Arriving {
+    let (all, radius) = (arriving(light, position), f64::from(light.radius));
+    if radius == 0.0 {
+        return all;
+    }
+    let is_sun = all.distance == f64::INFINITY;
+    let sine = if is_sun { radius } else { (radius / all.distance).min(1.0) };
+    // Inside of a ball as on it.
+    let inside = if is_sun { 1.0 } else { (all.distance / radius).min(1.0).powi(2) };
+    let (aside, turn) = (sine * at[0].sqrt(), std::f64::consts::TAU * at[1]);
+    let towards = (1.0 - aside * aside).sqrt();
+    let (x, y) = all.direction.any_orthonormal_pair();
+    let direction = towards * all.direction + aside * (turn.cos() * x + turn.sin() * y);
+    let sagitta = (radius * radius - (all.distance * aside).powi(2)).max(0.0).sqrt();
+    let distance = if is_sun { all.distance } else { all.distance * towards - sagitta };
+    Arriving { direction, distance, irradiance: all.irradiance * inside / towards.max(1e-9) }
+}
+
 fn from(light: DVec3, range: Option<f32>, color: DVec3, position: DVec3) -> Arriving {
     let distance = light.distance(position).max(1e-10);
     let window = range.map_or(1.0, |range| (1.0 - (distance / f64::from(range)).powi(4)).clamp(0.0, 1.0));
@@ -84,11 +104,12 @@ impl<'s> Model<'s> {
     }
 
     /// What comes back of a light towards the eye, were nothing in between.
-    pub(super) fn direct(&self, light: &RenderLight) -> DVec3 {
+    /// By one direction, where the light has a size: `at` is a place of [0, 1)².
+    pub(super) fn direct(&self, light: &RenderLight, at: [f64; 2]) -> DVec3 {
         match self {
-            Self::Phong(phong) => phong.direct(light),
+            Self::Phong(phong) => phong.direct(light, at),
             Self::Pbr { seen, surface } => {
-                let light = arriving(light, seen.position);
+                let light = arriving_from(light, seen.position, at);
                 light.irradiance * surface.value(light.direction)
             }
         }

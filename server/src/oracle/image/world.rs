@@ -113,10 +113,15 @@ impl<'s> World<'s> {
     /// Whether anything is between a point that is seen and a light so far in a unit direction. Both sides of a
     /// surface stop light, wherever it is opaque.
     pub(super) fn is_shadowed(&self, seen: &Seen, to_light: DVec3, distance: f64) -> bool {
+        let ray = Segment { to: distance, ..self.leaving(seen, to_light) };
+        self.tracer.any_hit_where(&ray, |hit| self.is_opaque(self.part(hit.triangle), hit))
+    }
+
+    /// A ray from a point that is seen, clear of its surface.
+    pub(super) fn leaving(&self, seen: &Seen, direction: DVec3) -> Segment {
         let rounding = SHADOW_ROUNDINGS * seen.position.abs().max_element();
         let origin = seen.position + seen.facing * (rounding + self.residual_world);
-        let ray = Segment { origin, direction: to_light, from: 0.0, to: distance };
-        self.tracer.any_hit_where(&ray, |hit| self.is_opaque(self.part(hit.triangle), hit))
+        Segment { origin, direction, from: 0.0, to: f64::INFINITY }
     }
 
     fn part(&self, triangle: u32) -> &Part {

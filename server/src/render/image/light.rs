@@ -15,10 +15,10 @@ use crate::{
         Result,
         image::{ImagePlan, REFLECTIVITY, RenderCamera, Shading},
     },
-    vulkan::Recorder,
+    vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Slab, shading::eye_and_depth};
+use super::{Frame, Slab, environment::EnvironmentStreams, shading::eye_and_depth, streams::ReflectionStreams};
 
 /// Radiance of the first `count` fragments.
 pub(crate) fn record(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
@@ -41,19 +41,11 @@ fn record_phong(recorder: &mut Recorder<'_>, frame: &Frame<'_>, normals: u32, co
         eye: eye_and_depth(&scene.camera).0,
         ambient: scene.lighting.ambient,
         reflectivity: REFLECTIVITY,
-        has_environment: u32::from(streams.environment.is_some()),
+        has_environment: u32::from(streams.has_surroundings()),
     };
-    let bound = [
-        ("points", &work.points),
-        ("appearances", &work.appearances),
-        ("lights", &streams.lights),
-        ("shadows", &work.shadows),
-        ("positions", &streams.positions),
-        ("normals", &streams.normals),
-        ("instance_rows", &streams.instance_rows),
-        ("surroundings", &work.surroundings),
-        ("radiance", &work.radiance),
-    ];
+    let geometry =
+        [("positions", &streams.positions), ("normals", &streams.normals), ("instance_rows", &streams.instance_rows)];
+    let bound = [&lit_bindings(frame)[..], &geometry].concat();
     Ok(recorder.dispatch(&SHADERS.shade_phong, count, &params, &bound)?)
 }
 
@@ -66,34 +58,63 @@ fn record_pbr(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Res
         multiple_scattering: 1,
         eye: eye_and_depth(&scene.camera).0,
         ambient: scene.lighting.ambient,
-        has_environment: u32::from(streams.environment.is_some()),
+        has_environment: u32::from(streams.has_surroundings()),
     };
-    let bound = [
+    let bound = [&lit_bindings(frame)[..], &[("brdf_table", &streams.brdf_table)]].concat();
+    if work.spreads.is_empty() {
+        return Ok(recorder.dispatch(&SHADERS.shade_pbr, count, &params, &bound)?);
+    }
+    let bound = [&bound[..], &[("spreads", &work.spreads)]].concat();
+    Ok(recorder.dispatch(&SHADERS.shade_pbr_moments, count, &params, &bound)?)
+}
+
+/// What every model of light reads, and where its radiance goes.
+fn lit_bindings<'a>(Frame { streams, work, .. }: &'a Frame<'_>) -> [(&'static str, &'a Stream); 6] {
+    [
         ("points", &work.points),
         ("appearances", &work.appearances),
         ("lights", &streams.lights),
         ("shadows", &work.shadows),
         ("surroundings", &work.surroundings),
-        ("brdf_table", &streams.brdf_table),
         ("radiance", &work.radiance),
-        ("spreads", &work.spreads),
-    ];
-    if work.spreads.is_empty() {
-        return Ok(recorder.dispatch(&SHADERS.shade_pbr, count, &params, &bound[..7])?);
-    }
-    Ok(recorder.dispatch(&SHADERS.shade_pbr_moments, count, &params, &bound)?)
+    ]
 }
 
-/// What fragments see of the environment, if there is one. Phong's model mirrors whatever the roughness.
+/// What fragments see of the environment, if there is one, and those of reflectors of their own. Phong's model mirrors
+/// whatever the roughness.
 fn record_surroundings(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { streams, work, .. } = frame;
+    if streams.has_surroundings() && streams.environment.is_none() {
+        recorder.fill(&work.surroundings, 0)?;
+    }
+    if let Some(environment) = &streams.environment {
+        record_seen(recorder, frame, environment, SurroundingsParams::default(), count)?;
+    }
+    for ReflectionStreams { material, environment, room } in &streams.reflections {
+        let room = room.map(|room| [room.centre, room.low, room.high].map(|p| p.as_vec3().to_array()));
+        let [centre, low, high] = room.unwrap_or_default();
+        let (of_material, has_room) = (material + 1, u32::from(room.is_some()));
+        let params = SurroundingsParams { of_material, has_room, centre, low, high, ..SurroundingsParams::default() };
+        record_seen(recorder, frame, environment, params, count)?;
+    }
+    Ok(())
+}
+
+fn record_seen(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    environment: &EnvironmentStreams,
+    params: SurroundingsParams,
+    count: u64,
+) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let Some(environment) = &streams.environment else { return Ok(()) };
     let params = SurroundingsParams {
         count: count as u32,
         normals: if scene.shading == Shading::Flat { NORMALS_OF_TRIANGLES } else { NORMALS_OF_PIXELS },
         mips: environment.mips,
         samples: if scene.shading == Shading::Pbr { LOBE_SAMPLES } else { 0 },
         eye: eye_and_depth(&scene.camera).0,
+        ..params
     };
     let bound = [
         ("points", &work.points),

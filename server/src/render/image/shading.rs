@@ -3,12 +3,14 @@
 use bytemuck::Pod;
 use displace_glsl::{
     SHADERS,
+    layout::light::LightAimsParams,
     layout::raster::{
         AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
         MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS, MomentsParams, OUTPUT_DEPTH, OUTPUT_NORMAL,
         OUTPUT_POSITION, OUTPUT_SAMPLES, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadowRaysParams, SurfaceParams,
         TextureParams,
     },
+    reference::lights,
 };
 use glam::{DMat4, DVec3};
 
@@ -22,7 +24,11 @@ use crate::{
     vulkan::{Recorder, Stream},
 };
 
-use super::{Frame, Run, Slab, bump, layers, light, projected, streams::WorkStreams, visibility::fragment_count};
+use super::{
+    Frame, Run, Slab, bump, layers, light, projected, shadow_map,
+    streams::{OccluderStreams, WorkStreams},
+    visibility::fragment_count,
+};
 
 /// Shades what is solid, and makes the images; of layers, where there are any.
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
@@ -68,6 +74,7 @@ pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, co
     record_appearance(recorder, frame, count)?;
     record_moments(recorder, frame, count)?;
     record_shadows(recorder, frame, count)?;
+    shadow_map::record(recorder, frame, count)?;
     light::record(recorder, frame, count)
 }
 
@@ -186,13 +193,39 @@ fn record_moments(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
     Ok(recorder.dispatch(&SHADERS.moments, count, &params, &bound)?)
 }
 
+/// A ray to each light, or to one after the other of the samples of those that have a size.
 fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
-    let Frame { scene, tables, streams, work, .. } = frame;
+    let Frame { tables, streams, work, .. } = frame;
     let Some(occluders) = &streams.occluders else { return Ok(()) };
-    let rays = count * tables.lights.len() as u64;
+    let lights = tables.lights.len() as u32;
+    let rays = count * u64::from(lights);
+    for k in 0..tables.lights.iter().map(lights::samples).max().unwrap_or(1) {
+        let params = LightAimsParams { count: rays as u32, lights, k };
+        let bound = [
+            ("points", &work.points),
+            ("appearances", &work.appearances),
+            ("lights", &streams.lights),
+            ("aims", &work.aims),
+            ("shadows", &work.shadows),
+        ];
+        recorder.dispatch(&SHADERS.light_aims, rays, &params, &bound)?;
+        record_rays(recorder, frame, occluders, rays, k)?;
+    }
+    Ok(())
+}
+
+fn record_rays(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    occluders: &OccluderStreams,
+    rays: u64,
+    k: u32,
+) -> Result<()> {
+    let Frame { scene, tables, streams, work, .. } = frame;
     let params = ShadowRaysParams {
         count: rays as u32,
         lights: tables.lights.len() as u32,
+        k,
         nodes: occluders.nodes.len() as u32,
         part_last: tables.parts.len().saturating_sub(1) as u32,
         uv_channels: scene.uv_channels,
@@ -201,8 +234,7 @@ fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
     };
     let bound = [
         ("points", &work.points),
-        ("appearances", &work.appearances),
-        ("lights", &streams.lights),
+        ("aims", &work.aims),
         ("nodes", &occluders.nodes),
         ("occluder_corners", &occluders.corners),
         ("occluders", &occluders.items),

@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use displace_glsl::layout::{
-    light::Surroundings,
-    raster::{
-        Appearance, Fragment, LISTS, MAP_NORMAL_MOMENTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, Spread,
-        SurfacePoint, TILE_PX,
+use displace_glsl::{
+    layout::{
+        light::Surroundings,
+        raster::{
+            Appearance, Fragment, LISTS, MAP_NORMAL_MOMENTS, MAP_SLOTS, MAX_PIECES, SAMPLES, SMALL_SAMPLES, Spread,
+            SurfacePoint, TILE_PX,
+        },
     },
+    reference::surroundings::Room,
 };
 
 use crate::{
@@ -17,7 +20,7 @@ use crate::{
         image::{ImagePlan, RenderMesh, RenderScene, Shading},
         request::{Aov, Shadows},
     },
-    render::{lists::scan::Scan, occluders::Shade},
+    render::{lists::scan::Scan, occluders::Shade, reflection::Reflection},
     vulkan::{Device, Recorder, Stream},
 };
 
@@ -60,8 +63,24 @@ pub(crate) struct SceneStreams {
     pub(crate) texels: Stream,
     pub(crate) occluders: Option<OccluderStreams>,
     pub(crate) environment: Option<EnvironmentStreams>,
+    /// What materials see in its place.
+    pub(crate) reflections: Vec<ReflectionStreams>,
     /// What surfaces reflect; empty unless the shading needs it.
     pub(crate) brdf_table: Stream,
+}
+
+/// What the surfaces of a material see, and the room that it shows.
+pub(crate) struct ReflectionStreams {
+    pub(crate) material: u32,
+    pub(crate) environment: EnvironmentStreams,
+    pub(crate) room: Option<Room>,
+}
+
+impl ReflectionStreams {
+    fn upload(device: &Arc<Device>, reflection: &Reflection) -> Result<Self> {
+        let environment = EnvironmentStreams::upload(device, &reflection.environment)?;
+        Ok(Self { material: reflection.material, environment, room: reflection.room })
+    }
 }
 
 /// What shadow rays meet.
@@ -93,6 +112,7 @@ impl SceneStreams {
         scene: &RenderScene,
         tables: &Tables,
         textures: &Textures,
+        reflections: &[Reflection],
     ) -> Result<Self> {
         let (meshes, environment) = (&scene.meshes, &scene.lighting.environment);
         Ok(Self {
@@ -113,6 +133,7 @@ impl SceneStreams {
             texels: textures.upload(device)?,
             occluders: OccluderStreams::upload(device, scene, tables)?,
             environment: environment.as_ref().map(|map| EnvironmentStreams::upload(device, map)).transpose()?,
+            reflections: reflections.iter().map(|r| ReflectionStreams::upload(device, r)).collect::<Result<_>>()?,
             brdf_table: environment::table(device, scene.shading == Shading::Pbr)?,
         })
     }
@@ -122,7 +143,13 @@ impl SceneStreams {
         if !self.brdf_table.is_empty() {
             environment::record_table(recorder, &self.brdf_table)?;
         }
-        self.environment.as_ref().map_or(Ok(()), |environment| environment.record(recorder))
+        let reflections = self.reflections.iter().map(|reflection| &reflection.environment);
+        self.environment.iter().chain(reflections).try_for_each(|environment| environment.record(recorder))
+    }
+
+    /// Whether any surface sees an environment.
+    pub(crate) fn has_surroundings(&self) -> bool {
+        self.environment.is_some() || !self.reflections.is_empty()
     }
 }
 
@@ -231,6 +258,8 @@ pub(crate) struct WorkStreams {
     pub(crate) appearances: Stream,
     /// How the normals of each fragment scatter; empty without moments.
     pub(crate) spreads: Stream,
+    /// Where rays to lights go.
+    pub(crate) aims: Stream,
     /// Share of each light that arrives at each fragment; empty without shadows.
     pub(crate) shadows: Stream,
     /// What each fragment sees of an environment; empty without one.
@@ -301,6 +330,7 @@ impl WorkStreams {
         let list_capacity = triangles.unwrap_or(0).min(RANGE_TRIANGLES);
         let records = list_capacity.min(LARGE_CHUNK) * u64::from(MAX_PIECES);
         let has_environment = scene.lighting.environment.is_some();
+        let has_surroundings = has_environment || !scene.reflectors.is_empty();
         let new = |name: &str, bytes: usize, len: u64| Stream::new(device, name, bytes as u32, len);
         Ok(Self {
             screen: new("screen", 16, vertices)?,
@@ -324,9 +354,14 @@ impl WorkStreams {
             shadows: new(
                 "shadows",
                 4,
+                if scene.shadows != Shadows::None { samples * tables.lights.len() as u64 } else { 0 },
+            )?,
+            aims: new(
+                "aims",
+                16,
                 if scene.shadows == Shadows::Ray { samples * tables.lights.len() as u64 } else { 0 },
             )?,
-            surroundings: new("surroundings", size_of::<Surroundings>(), if has_environment { samples } else { 0 })?,
+            surroundings: new("surroundings", size_of::<Surroundings>(), if has_surroundings { samples } else { 0 })?,
             radiance: new("radiance", 16, samples)?,
             backdrop: new("backdrop", 12, if has_environment { pixels } else { 0 })?,
             pixels: new("pixels", 4, pixels)?,

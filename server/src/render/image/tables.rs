@@ -89,7 +89,7 @@ impl Tables {
             has_layers: false,
             colored: scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
         };
-        let pixel_from_world = pixel_from_world(&scene.camera, plan);
+        let pixel_from_world = pixel_from_world(&scene.camera, [plan.width, plan.height]);
         for (index, instance) in scene.instances.iter().enumerate() {
             let world_from_mesh = DMat4::from_cols_array(&instance.world_from_mesh.map(f64::from));
             tables.instance_rows.extend(instance_rows(pixel_from_world * world_from_mesh, world_from_mesh));
@@ -214,14 +214,14 @@ fn texture_use(map: &Option<RenderMap>) -> TextureUse {
 }
 
 fn light(light: &RenderLight) -> Light {
-    let color = light.color;
+    let (color, radius) = (light.color, light.radius);
     match light.shape {
         LightShape::Sun { direction_world } => {
-            Light { kind: LIGHT_SUN, direction: direction_world, color, ..Light::default() }
+            Light { kind: LIGHT_SUN, direction: direction_world, color, radius, ..Light::default() }
         }
         LightShape::Point { position_world, range_world } => {
             let range = range_world.unwrap_or(0.0);
-            Light { kind: LIGHT_POINT, position: position_world, range, color, ..Light::default() }
+            Light { kind: LIGHT_POINT, position: position_world, range, color, radius, ..Light::default() }
         }
         LightShape::Spot { position_world, range_world, direction_world, cone_cosines: [inner, outer] } => {
             let cone_scale = 1.0 / (inner - outer).max(1e-3);
@@ -249,8 +249,8 @@ pub(crate) fn wrap_numbers(wrap: [Wrap; 2]) -> [u32; 2] {
 }
 
 /// Homogeneous pixels: x to the right and y down, from the top left corner.
-fn pixel_from_world(camera: &RenderCamera, plan: &ImagePlan) -> DMat4 {
-    let (half_width, half_height) = (0.5 * f64::from(plan.width), 0.5 * f64::from(plan.height));
+pub(crate) fn pixel_from_world(camera: &RenderCamera, size_px: [u32; 2]) -> DMat4 {
+    let [half_width, half_height] = size_px.map(|side| 0.5 * f64::from(side));
     let pixel_from_clip = DMat4::from_cols(
         DVec4::new(half_width, 0.0, 0.0, 0.0),
         DVec4::new(0.0, -half_height, 0.0, 0.0),

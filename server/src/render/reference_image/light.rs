@@ -1,17 +1,18 @@
 //! Light of a place by the model that the scene asks for: the twins put together.
 
 use displace_glsl::{
-    layout::raster::{LIGHT_SUN, Light, MATERIAL_UNLIT},
+    layout::raster::{Light, MATERIAL_UNLIT},
     reference::{
         backdrop::{Directions, backdrop},
         brdf::visible_normal,
         brdf_table::Table,
         environment::Environment,
-        lights::incoming,
+        lights::{Incoming, arriving_of, distance, incoming, incoming_of, samples, turn},
         shade_pbr,
         shade_phong::{Reflected, from_surroundings, reflected},
+        shadow_map::ShadowMaps,
         shadow_rays::Ray,
-        surroundings::{Change, Surroundings, mirrored_footprint, seen, seen_by_normals},
+        surroundings::{Around, Change, Room, Surroundings, mirrored_footprint, seen, seen_by_normals},
     },
 };
 use glam::{DVec3, DVec4};
@@ -19,6 +20,7 @@ use glam::{DVec3, DVec4};
 use super::{
     place::{blend, vec3},
     shading::Hit,
+    shadow_map,
 };
 use crate::{
     domain::{
@@ -29,12 +31,16 @@ use crate::{
     render::{
         image::{light::directions, shading::eye_and_depth, tables::Tables},
         occluders::Shade,
+        reflection::Reflection,
     },
 };
 
 pub(super) struct LightModel {
     shade: Option<Shade>,
+    shadow_maps: Option<ShadowMaps>,
     environment: Option<Environment>,
+    /// By material.
+    reflections: Vec<(u32, Environment, Option<Room>)>,
     /// What surfaces reflect, where the shading needs it.
     table: Option<Table>,
     shading: Shading,
@@ -46,14 +52,22 @@ pub(super) struct LightModel {
 }
 
 impl LightModel {
-    pub(super) fn new(plan: &ImagePlan, scene: &RenderScene, tables: &Tables) -> Result<Self> {
+    /// `reflections`: what reflectors see.
+    pub(super) fn new(
+        plan: &ImagePlan,
+        scene: &RenderScene,
+        tables: &Tables,
+        reflections: &[Reflection],
+    ) -> Result<Self> {
         let (eye, view_depth) = eye_and_depth(&scene.camera);
         let [eye, view_depth] = [eye, view_depth].map(|v| DVec4::from_array(v.map(f64::from)));
         let is_shaded = scene.shadows == Shadows::Ray && !tables.lights.is_empty();
         let shading = scene.shading;
         Ok(Self {
             shade: if is_shaded { Some(Shade::new(scene, tables)?) } else { None },
+            shadow_maps: shadow_map::made(scene)?,
             environment: scene.lighting.environment.as_ref().map(|map| environment(map)),
+            reflections: reflections.iter().map(|r| (r.material, environment(&r.environment), r.room)).collect(),
             table: (shading == Shading::Pbr).then(Table::new),
             shading,
             ambient: f64::from(scene.lighting.ambient),
@@ -78,9 +92,9 @@ impl LightModel {
         if hit.look.flags & MATERIAL_UNLIT != 0 {
             return hit.look.base.truncate();
         }
-        let share = |light| if self.is_shadowed(light, hit, &is_opaque) { 0.0 } else { 1.0 };
-        let shares: Vec<f64> = lights.iter().map(share).collect();
-        let sky = self.environment.as_ref().map(|environment| self.sky(environment, hit));
+        let share = |(l, light)| self.share(l, light, hit, &is_opaque);
+        let shares: Vec<f64> = lights.iter().enumerate().map(share).collect();
+        let sky = self.around(hit).map(|around| self.sky(around, hit));
         match &self.table {
             Some(table) => {
                 let place = shade_pbr::Place {
@@ -88,6 +102,7 @@ impl LightModel {
                     normal: hit.normal,
                     spread: hit.spread.unwrap_or_default(),
                     eye: self.eye,
+                    pixel: hit.pixel,
                 };
                 let (shares, ambient) = (shares.as_slice(), self.ambient);
                 let lighting = shade_pbr::Lighting { table, lights, shares, ambient, multiple_scattering: true };
@@ -99,27 +114,43 @@ impl LightModel {
 
     fn by_phong(&self, lights: &[Light], shares: &[f64], hit: &Hit, sky: Option<&Surroundings>) -> DVec3 {
         let (look, base) = (&hit.look, hit.look.base.truncate());
-        let of_light = |(light, share): (&Light, &f64)| self.reflected(light, hit).of(base) * *share;
-        let direct: DVec3 = lights.iter().zip(shares).map(of_light).sum();
+        let sample = |l: usize, k: u32| {
+            let turn = turn(hit.pixel, l as u32);
+            let at = |position: DVec3| incoming_of(&lights[l], position, k, turn);
+            self.reflected(at, hit).of(base) * arriving_of(shares[l], k)
+        };
+        let of_light = |l: usize| (0..samples(&lights[l])).map(|k| sample(l, k)).sum::<DVec3>();
+        let direct: DVec3 = (0..lights.len()).map(of_light).sum();
         let around = |sky: &Surroundings| from_surroundings(sky, base, look.occlusion, REFLECTIVITY.into());
         base * (self.ambient * look.occlusion) + look.emissive + direct + sky.map_or(DVec3::ZERO, around)
     }
 
-    fn reflected(&self, light: &Light, hit: &Hit) -> Reflected {
+    /// `arriving`: at a place.
+    fn reflected(&self, arriving: impl Fn(DVec3) -> Incoming, hit: &Hit) -> Reflected {
         match self.shading {
             Shading::Flat => {
                 let centre = blend(DVec3::splat(1.0 / 3.0), hit.corners.map(|corner| corner.0));
-                reflected(light, centre, hit.facing, self.eye)
+                reflected(&arriving(centre), centre, hit.facing, self.eye)
             }
             Shading::Gouraud => {
-                let corners = hit.corners.map(|(position, normal)| reflected(light, position, normal, self.eye));
+                let corner = |(position, normal)| reflected(&arriving(position), position, normal, self.eye);
+                let corners = hit.corners.map(corner);
                 Reflected::blended(corners, hit.weights)
             }
-            Shading::Phong | Shading::Pbr => reflected(light, hit.position, hit.look.normal, self.eye),
+            Shading::Phong | Shading::Pbr => {
+                reflected(&arriving(hit.position), hit.position, hit.look.normal, self.eye)
+            }
         }
     }
 
-    fn sky(&self, environment: &Environment, hit: &Hit) -> Surroundings {
+    /// What a place sees.
+    fn around(&self, hit: &Hit) -> Option<Around<'_>> {
+        let own = self.reflections.iter().find(|(material, ..)| *material == hit.material);
+        let own = own.map(|(_, environment, room)| Around { environment, room: *room });
+        own.or_else(|| self.environment.as_ref().map(|environment| Around { environment, room: None }))
+    }
+
+    fn sky(&self, around: Around<'_>, hit: &Hit) -> Surroundings {
         let is_flat = self.shading == Shading::Flat;
         let normal = if is_flat { hit.facing } else { hit.look.normal };
         let still = if is_flat { [DVec3::ZERO; 2] } else { hit.change.normal };
@@ -128,21 +159,42 @@ impl LightModel {
         let footprint = mirrored_footprint(&change, visible_normal(normal, v), hit.position, self.eye);
         let roughness = self.table.as_ref().map(|_| hit.look.roughness);
         if let (Some(spread), Some(roughness)) = (&hit.spread, roughness) {
-            return seen_by_normals(environment, hit.position, normal, spread, self.eye, roughness, footprint);
+            return seen_by_normals(around, hit.position, normal, spread, self.eye, roughness, footprint);
         }
-        seen(environment, hit.position, normal, self.eye, roughness, footprint)
+        seen(around, hit.position, normal, self.eye, roughness, footprint)
     }
 
-    fn is_shadowed(&self, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> bool {
-        let Some(shade) = &self.shade else { return false };
-        let direction = incoming(light, hit.position).direction;
-        if hit.look.normal.dot(direction) <= 0.0 && hit.look.normal != DVec3::ZERO {
-            return true;
+    /// Of light number `l`, as `arriving_of` reads it.
+    fn share(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
+        let is_behind = |direction: DVec3| hit.look.normal.dot(direction) <= 0.0 && hit.look.normal != DVec3::ZERO;
+        let towards = incoming(light, hit.position).direction;
+        match (&self.shade, &self.shadow_maps) {
+            (None, None) => 1.0,
+            (Some(shade), _) => {
+                let turn = turn(hit.pixel, l as u32);
+                let seen = |k: u32| {
+                    let towards = incoming_of(light, hit.position, k, turn).direction;
+                    !is_behind(towards) && !is_stopped(shade, light, towards, hit, &is_opaque)
+                };
+                let bits = (0..samples(light)).filter(|k| seen(*k)).fold(0u32, |bits, k| bits | 1 << k);
+                if samples(light) > 1 { -1.0 - f64::from(bits) } else { f64::from(bits) }
+            }
+            _ if is_behind(towards) => 0.0,
+            (_, Some(maps)) => maps.share_seen(l, hit.position, hit.facing, towards),
         }
-        let end = if light.kind == LIGHT_SUN { f64::INFINITY } else { vec3(light.position).distance(hit.position) };
-        let origin = hit.position + hit.facing * f64::from(shade.offset_world);
-        shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
     }
+}
+
+fn is_stopped(
+    shade: &Shade,
+    light: &Light,
+    direction: DVec3,
+    hit: &Hit,
+    is_opaque: impl Fn(u32, DVec3) -> bool,
+) -> bool {
+    let origin = hit.position + hit.facing * f64::from(shade.offset_world);
+    let end = distance(light, hit.position, direction);
+    shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
 }
 
 fn environment(map: &domain::environment::Environment) -> Environment {

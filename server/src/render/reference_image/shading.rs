@@ -39,6 +39,9 @@ pub(super) struct Hit {
     /// At the vertices, for Gouraud's light: positions and normals towards the viewer's side.
     pub(super) corners: [(DVec3, DVec3); 3],
     pub(super) weights: DVec3,
+    pub(super) material: u32,
+    /// Where on the image.
+    pub(super) pixel: [u32; 2],
     /// Of interpolated normal and position, by pixels.
     pub(super) change: Change,
 }
@@ -98,6 +101,8 @@ impl Shader {
             change: Change { normal: [b.dx, b.dy].map(normal_change), position: [b.dx, b.dy].map(position_change) },
             corners: [DVec3::X, DVec3::Y, DVec3::Z].map(corner),
             weights: b.at,
+            material: place.part.material,
+            pixel: at_px.map(|x| x as u32),
         }
     }
 
