@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use displace_glsl::{
     ComputeShader, SHADERS,
-    layout::raster::{SurfacePoint, TextureParams, TextureUse},
+    layout::raster::{MAP_SLOTS, SurfacePoint, TextureParams, TextureUse},
     reference::{
         mip::Level,
         texture::{Filter, filtered},
@@ -134,7 +134,7 @@ fn run(filter: Filter, maps: &[Vec<Level>], places: &[Place]) -> Vec<[f32; 4]> {
             level_first: firsts[map],
             level_count: maps[map].len() as u32,
         };
-        [used, TextureUse::default(), TextureUse::default(), TextureUse::default(), TextureUse::default()]
+        std::array::from_fn::<_, MAP_SLOTS, _>(|slot| if slot == 0 { used } else { TextureUse::default() })
     });
     let uses: Vec<TextureUse> = uses.collect();
     let points: Vec<SurfacePoint> = places.iter().map(Place::point).collect();
