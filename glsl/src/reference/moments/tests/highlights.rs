@@ -61,7 +61,7 @@ impl Maps {
     }
 
     fn variance(&self) -> f64 {
-        let [xx, yy, ..] = self.moments.last().unwrap().texels[0];
+        let [xx, yy, ..] = self.moments.last().expect("a pyramid has a top").texels[0];
         0.5 * (xx + yy)
     }
 }
