@@ -6,6 +6,7 @@ mod filters;
 mod light;
 mod looks;
 mod passes;
+mod reflections;
 pub(crate) mod scenes;
 mod shadows;
 
