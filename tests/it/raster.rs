@@ -10,6 +10,7 @@ mod mapping;
 mod moments;
 mod passes;
 pub(crate) mod projection;
+mod reflections;
 pub(crate) mod scenes;
 mod shadows;
 
