@@ -41,6 +41,8 @@ PICTURES = {
     # E21 and E22.
     "cyslice-printed": f"render {MIRROR} --normal cyslice.png --preset cyslice",
     "cyslice-right": f"render {MIRROR} --normal cyslice.png --swizzle grb",
+    # Row 41 with E12 and E21: darts along what is taken for the S tangent, on stripes of s and t.
+    **{f"tangent-{name}": f"render {name}.glb --size 200x150 --eye 0,2.6,0.9 --look-at 0,0,0.05 --fov 42 --light 0,1,0 --ambient 0.2" for name in ("dpdu", "deriv", "printed", "signed")},
     # What adds, and what does not.
     "adds": f"render {DOMES} --normal tangent.png --expr '0.02*sin(12*x)*sin(12*z)' --method bump",
     "beside": f"render sheet.glb {SHEET} --height maps/abstract_height.png --scale 0.3 --uniform 6 --normal tangent.png",
@@ -73,6 +75,50 @@ def mirrored(u: float, v: float) -> tuple[float, float]:
     return 1 - abs(2 * u - 1), v
 
 
+def texture_at(u: float, v: float) -> tuple[float, float]:
+    """s and t, which the patch's own u and v do not follow: sheared and turned, and mirrored beyond the middle."""
+    s, t = u + 0.5 * v, -0.35 * u + v
+    return (s, t) if u < 0.5 else (1 - s, t + 0.7 * (u - 0.5))
+
+
+def tangents(u: float, v: float) -> dict[str, tuple[float, float]]:
+    """Along u and v of the patch: dPdu, Deriv(P, s) = Du(P)/Du(s) + Dv(P)/Dv(s), dPdu Dv(t) - dPdv Du(t), and that with
+    the sign of the determinant."""
+    e = 1e-4
+    (s0, t0), (s1, t1), (s2, t2) = texture_at(u, v), texture_at(u + e, v), texture_at(u, v + e)
+    su, tu, sv, tv = (s1 - s0) / e, (t1 - t0) / e, (s2 - s0) / e, (t2 - t0) / e
+    sign = math.copysign(1, su * tv - sv * tu)
+    return {"dpdu": (1, 0), "deriv": (1 / su, 1 / sv), "printed": (tv, -tu), "signed": (sign * tv, -sign * tu)}
+
+
+def stripes(x: int, y: int):
+    """Red along s, green along t, and rows that the patch does not reach, dark for the darts."""
+    if 168 <= y < 204:
+        return 25, 25, 30, 255
+    red, green = x % 32 < 6, y % 32 < 6
+    return (200, 60, 50, 255) if green else (70, 160, 70, 255) if red else (225, 220, 205, 255)
+
+
+def finned(name: str):
+    """The patch, and dark darts on it that point along a tangent."""
+    positions, normals, uvs, triangles = grid(32, 32, on_sheet)
+    uvs = [(0.5 * s, 0.5 * t) for s, t in (texture_at(*uv) for uv in uvs)]
+    for i in range(8):
+        for j in range(6):
+            u, v = (i + 0.5) / 8, (j + 0.5) / 6
+            a, b = tangents(u, v)[name]
+            length = math.hypot(a, b)
+            ends = [(2 * u - 1 + k * 0.2 * a / length, 2 * v - 1 + k * 0.2 * b / length) for k in (0, 1)]
+            side = (-0.03 * b / length, 0.03 * a / length)
+            first = len(positions)
+            (x0, z0), (x1, z1) = ends
+            positions += [(x0 - side[0], 0.02, z0 - side[1]), (x0 + side[0], 0.02, z0 + side[1]), (x1, 0.02, z1)]
+            normals += [(0, 1, 0)] * 3
+            uvs += [(0.5, 186 / 256)] * 3
+            triangles += [(first, first + 1, first + 2)]
+    return positions, normals, uvs, triangles
+
+
 def scenes(folder: Path) -> None:
     clay = {"pbrMetallicRoughness": {"baseColorFactor": [0.85, 0.6, 0.3, 1], "metallicFactor": 0, "roughnessFactor": 0.4}, "doubleSided": True}
     glb(folder / "fine.glb", grid(64, 32, on_ball), clay, [])
@@ -81,6 +127,9 @@ def scenes(folder: Path) -> None:
     glb(folder / "bent.glb", grid(32, 1, on_bent), clay, [])
     positions, normals, uvs, triangles = grid(8, 8, on_sheet)
     glb(folder / "mirror.glb", (positions, normals, [mirrored(*uv) for uv in uvs], triangles), clay, [])
+    for name in ("dpdu", "deriv", "printed", "signed"):
+        colored = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}, "doubleSided": True}
+        glb(folder / f"{name}.glb", finned(name), colored, [png(256, 256, stripes)])
     maps = {
         "tangent": lambda x, y, z: (x, y, z),
         "directx": lambda x, y, z: (x, -y, z),
