@@ -117,3 +117,47 @@ fn a_result_takes_no_projection() {
     assert_eq!(run.code, Some(2), "{run:?}");
     assert!(run.stderr.contains("projection"), "{}", run.stderr);
 }
+
+#[test]
+fn a_pre_image_is_a_picture_beside_the_image() {
+    let bench = Bench::new(&json!({}));
+    let seen = format!("render in.glb --base-color map.png {VIEW}");
+    for image in ["a.png", "a.exr"] {
+        bench.run(&format!("{seen} --preimage 24,24 -o {image}")).expect_success();
+        let picture = image::open(bench.path("a.preimage.png")).expect("beside the image").into_rgb8();
+        assert!(picture.pixels().any(|pixel| pixel.0 == [255, 96, 0]), "the pixel is drawn");
+        std::fs::remove_file(bench.path("a.preimage.png")).expect("there");
+    }
+    bench.run(&format!("{seen} -o b.png")).expect_success();
+    assert_eq!(bench.pixels("a.png"), bench.pixels("b.png"));
+    for (pixel, part) in [("48,0", "0,0 to 47,47"), ("0,0", "shows nothing")] {
+        let run = bench.run(&format!("{seen} --preimage {pixel} -o c.png"));
+        assert_eq!(run.code, Some(2), "{run:?}");
+        assert!(run.stderr.contains(part), "{}", run.stderr);
+    }
+    let bare = bench.run(&format!("render in.glb {VIEW} --preimage 24,24 -o c.png"));
+    assert!(bare.code == Some(2) && bare.stderr.contains("--base-color"), "{bare:?}");
+}
+
+#[test]
+fn rays_count_nothing_of_the_rasteriser() {
+    let bench = Bench::new(&json!({}));
+    bench.run(&format!("render in.glb {VIEW} --aov overdraw,samples -o a.png")).expect_success();
+    for name in ["a.overdraw.png", "a.samples.png"] {
+        assert_eq!(image::open(bench.path(name)).expect("beside the image").width(), 48);
+    }
+    let run = bench.run(&format!("render in.glb {VIEW} --aov depth,overdraw --supersample 16 -o b.png"));
+    assert_eq!(run.code, Some(2), "{run:?}");
+    assert!(run.stderr.contains("aovs[1]"), "{}", run.stderr);
+}
+
+#[test]
+fn shadows_by_rays_do_not_see_holes_that_are_projected() {
+    let leaf = json!({ "name": "leaf", "alphaMode": "MASK" });
+    let bench = Bench::new(&leaf);
+    let seen = format!("render in.glb --base-color map.png {VIEW} --projection box --shadows ray");
+    let run = bench.run(&format!("{seen} -o a.png"));
+    assert_eq!(run.code, Some(2), "{run:?}");
+    assert!(run.stderr.contains("shadows none"), "{}", run.stderr);
+    bench.run(&format!("{seen} --supersample 4 -o a.png")).expect_success();
+}

@@ -14,9 +14,7 @@ use displace_tests::{
 use glam::{DMat4, DVec2, DVec4};
 
 use super::{
-    ALL_AOVS,
-    looks::rich,
-    plan,
+    ALL_AOVS, plan,
     projection::two_bodies,
     reference, render, render_plan,
     scenes::{Builder, IDENTITY, LEAK, checker, masked_grid, material, pixel_camera, render_mesh, view_camera},
@@ -156,7 +154,6 @@ fn a_ball_seen_from_both_sides_is_covered_twice() {
         assert_eq!(2 * one, two, "pixel {i}");
     }
     assert!(counts(&single).contains(&4) && counts(&single).contains(&0));
-    assert_eq!(rich().double_sided, true);
 }
 
 /// Of the unit square, what lies on the side of a line where n . p <= d.
