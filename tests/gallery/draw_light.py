@@ -13,20 +13,20 @@ from pathlib import Path
 from draw import grid, on_ball, png
 
 HERE = Path(__file__).parent
-ROOM = "render room.gltf --size 320x240 --eye 1.6,0.9,1.75 --look-at -0.25,-0.3,-0.2 --fov 62 --shading pbr --ambient 0 --light 0,1,0"
+ROOM = "render room.gltf --size 240x180 --eye 1.6,0.9,1.75 --look-at -0.25,-0.3,-0.2 --fov 62 --shading pbr --ambient 0 --light 0,1,0"
 MAPPED = "--reflect left --reflect right"
 TRACED = "--device reference --supersample 64"
-STAGE = "render stage.gltf --size 320x240 --eye 2.4,2.2,3.6 --look-at 0,0.4,0 --fov 40 --ambient 0.1"
+STAGE = "render stage.gltf --size 320x240 --eye 2.4,2.2,3.6 --look-at 0,0.4,0 --fov 40 --ambient 0.15"
 PICTURES = {
     "reflection/endless": f"{ROOM} {MAPPED}",
     "reflection/box": f"{ROOM} {MAPPED} --reflect-box",
     "reflection/traced-1": f"{ROOM} {TRACED} --bounces 1",
     "reflection/traced-8": f"{ROOM} {TRACED} --bounces 8",
-    "shadows/none": f"{STAGE} --light point:-2,3,1.5",
-    "shadows/map": f"{STAGE} --light point:-2,3,1.5 --shadows map",
-    "shadows/ray": f"{STAGE} --light point:-2,3,1.5 --shadows ray",
-    "shadows/area": f"{STAGE} --light point:-2,3,1.5,0.5 --shadows ray",
-    "shadows/area-64": f"{STAGE} --light point:-2,3,1.5,0.5 --shadows ray --supersample 64",
+    "shadows/none": f"{STAGE} --light point:-1.1,1.7,1.2",
+    "shadows/map": f"{STAGE} --light point:-1.1,1.7,1.2 --shadows map",
+    "shadows/ray": f"{STAGE} --light point:-1.1,1.7,1.2 --shadows ray",
+    "shadows/area": f"{STAGE} --light point:-1.1,1.7,1.2,0.3 --shadows ray",
+    "shadows/area-64": f"{STAGE} --light point:-1.1,1.7,1.2,0.3 --shadows ray --supersample 64",
     "shadows/sun": f"{STAGE} --light=-0.5,1,0.6@6 --shadows ray --supersample 64",
 }
 
@@ -79,10 +79,11 @@ def ball(radius: float, centre):
 
 
 def wall(corner, u_side, v_side):
-    n = (u_side[1] * v_side[2] - u_side[2] * v_side[1], u_side[2] * v_side[0] - u_side[0] * v_side[2], u_side[0] * v_side[1] - u_side[1] * v_side[0])
+    u, v = u_side, v_side
+    n = (v[1] * u[2] - v[2] * u[1], v[2] * u[0] - v[0] * u[2], v[0] * u[1] - v[1] * u[0])
     length = math.sqrt(sum(a * a for a in n))
     n = tuple(a / length for a in n)
-    return grid(1, 1, lambda u, v: (tuple(c + u * a + v * b for c, a, b in zip(corner, u_side, v_side)), n))
+    return grid(1, 1, lambda s, t: (tuple(c + s * a + t * b for c, a, b in zip(corner, u, v)), n))
 
 
 def plain(name: str, color, metal=0.0, rough=0.8, **more) -> dict:
@@ -118,9 +119,9 @@ def scenes(folder: Path) -> None:
     fence = plain("fence", (1, 1, 1), alphaMode="MASK")
     fence["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
     stage = [
-        (wall((-4, 0, -4), (0, 0, 8), (8, 0, 0)), plain("ground", (0.7, 0.7, 0.7))),
+        (wall((-4, 0, -4), (8, 0, 0), (0, 0, 8)), plain("ground", (0.9, 0.9, 0.9))),
         (ball(0.5, (-0.6, 0.5, 0.5)), plain("ball", (0.8, 0.35, 0.25))),
-        (wall((0.2, 0, 0), (0.9, 0, -0.9), (0, 1.2, 0)), fence),
+        (wall((0.5, 0, 0.9), (0.7, 0, 0.7), (0, 0.7, 0)), fence),
     ]
     gltf(folder / "stage.gltf", stage, [holes])
 
