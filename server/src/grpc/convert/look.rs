@@ -168,3 +168,24 @@ fn unit(field: &str, vector: [f32; 3]) -> Result<[f32; 3]> {
     }
     Ok(vector.map(|value| (f64::from(value) / length) as f32))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_off_unless_asked_for_and_refused_where_no_roughness_shows_them() {
+        let parsed = |shading: v1::Shading, moments: v1::Moments| {
+            let asked = v1::Lighting { shading: shading.into(), moments: moments.into(), ..v1::Lighting::default() };
+            parse("lighting", Some(asked)).map(|look| look.moments)
+        };
+        assert!(parsed(v1::Shading::Pbr, v1::Moments::On).is_ok_and(|is_on| is_on));
+        for moments in [v1::Moments::Unspecified, v1::Moments::Off] {
+            assert!(parsed(v1::Shading::Phong, moments).is_ok_and(|is_on| !is_on));
+        }
+        for shading in [v1::Shading::Unspecified, v1::Shading::Flat, v1::Shading::Gouraud, v1::Shading::Phong] {
+            let error = parsed(shading, v1::Moments::On).expect_err("is refused").to_string();
+            assert!(error.contains("lighting.moments") && error.contains("--shading pbr"), "{error}");
+        }
+    }
+}
