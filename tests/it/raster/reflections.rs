@@ -66,7 +66,9 @@ fn off(image: &ImageSet, expected: &ImageSet) -> f64 {
 
 #[test]
 fn what_a_reflector_shows_agrees_with_its_twin() {
-    for (in_room, shading) in [(false, Shading::Pbr), (true, Shading::Pbr), (true, Shading::Phong), (false, Shading::Flat)] {
+    for (in_room, shading) in
+        [(false, Shading::Pbr), (true, Shading::Pbr), (true, Shading::Phong), (false, Shading::Flat)]
+    {
         let scene = RenderScene { shading, ..mapped(in_room, 32) };
         let apart = differing(&render(&scene, 96, 96), &reference(&scene, 96, 96), 1e-2);
         assert!(apart <= 92, "{apart} pixels: {shading:?}, {in_room}");
