@@ -12,7 +12,7 @@ use glslang::{
 };
 
 /// JIT time on software drivers grows faster than the code of a shader. 20 KiB is the rule; the interpreter of
-/// expressions with derivatives needs more.
+/// expressions with derivatives needs more, and so do light and surroundings over many normals.
 const MAX_CODE_BYTES: usize = 34 << 10;
 
 pub(crate) struct Compiled {

@@ -24,7 +24,9 @@ struct Scatter {
 
 Scatter scatter_of(vec3 n, Spread spread) {
     vec2 variance = vec2(dot(spread.major, spread.major), dot(spread.minor, spread.minor));
-    vec3 x = spread.major * inversesqrt(max(variance.x, 1e-30));
+    // What bends normals further has not turned the spread with them.
+    vec3 x = spread.major - dot(spread.major, n) * n;
+    x *= inversesqrt(max(dot(x, x), 1e-30));
     return Scatter(n, mat2x3(x, cross(n, x)), variance);
 }
 

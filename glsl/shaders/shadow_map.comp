@@ -16,6 +16,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Params {
     uint count; // fragments x lights
     uint lights;
+    uint any_normal; // whether light counts that the pixel's own normal faces away from
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -97,7 +98,7 @@ void element(uint i) {
     Incoming arriving = incoming(light, point.position);
     vec3 normal = LOAD(appearances, i / params.lights).normal;
     float seen = 0.0;
-    bool lit = dot(normal, arriving.direction) > 0.0 || normal == vec3(0.0);
+    bool lit = params.any_normal != 0u || dot(normal, arriving.direction) > 0.0 || normal == vec3(0.0);
     // Behind its own triangle a place is in the triangle's shadow.
     if (lit && (dot(point.facing, arriving.direction) > 0.0 || point.facing == vec3(0.0))) {
         ShadowFace face = LOAD(faces, l * SHADOW_FACES + side_of(-arriving.direction));

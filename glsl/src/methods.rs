@@ -36,14 +36,14 @@ pub const METHODS: &[MethodRow] = &[
         method: Method::Displacement,
         name: "displacement",
         summary: "Moves vertices along the welded direction by heights (Cook 1984).",
-        represents: &["height", "expression"],
+        represents: &["height", "expression", "normal"],
         cost: "triangles; per vertex one map lookup a layer",
     },
     MethodRow {
         method: Method::Vector,
         name: "vector",
         summary: "Moves vertices by vectors, so that overhangs are possible.",
-        represents: &["vector", "expression"],
+        represents: &["vector", "expression", "normal"],
         cost: "triangles; per vertex one map lookup a layer",
     },
     MethodRow {

@@ -14,7 +14,7 @@ pub(crate) enum ProjectionArg {
     Uv,
     /// Around +Y, from the centre of the mesh's box
     Sphere,
-    /// By the formula that the seeds print, which mirrors half of it
+    /// By Everson's printed formula, which mirrors half of it
     SphereAsPrinted,
     /// Along X
     PlanarX,

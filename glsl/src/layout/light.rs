@@ -56,6 +56,7 @@ mirrors! {
         pub count: u32,
         pub lights: u32,
         pub k: u32,
+        pub any_normal: u32,
     }
 
     /// What a fragment sees of an environment.

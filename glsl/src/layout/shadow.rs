@@ -24,6 +24,7 @@ mirrors! {
     pub struct ShadowMapParams {
         pub count: u32,
         pub lights: u32,
+        pub any_normal: u32,
     }
 }
 

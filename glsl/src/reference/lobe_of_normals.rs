@@ -43,7 +43,9 @@ impl Scatter {
     #[must_use]
     pub fn new(n: DVec3, spread: &Spread) -> Self {
         let variance = DVec2::new(spread.major.length_squared(), spread.minor.length_squared());
-        let x = spread.major / variance.x.max(1e-30).sqrt();
+        // What bends normals further has not turned the spread with them.
+        let x = spread.major - spread.major.dot(n) * n;
+        let x = x / x.length_squared().max(1e-30).sqrt();
         Self { n, axes: [x, n.cross(x)], variance }
     }
 

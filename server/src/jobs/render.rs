@@ -169,7 +169,7 @@ fn refuse_projected_shadows(plan: &ImagePlan, scene: &RenderScene) -> Result<()>
     if !reads || plan.rays.is_some() || !scene.materials.iter().any(cuts) {
         return Ok(());
     }
-    let message = "some materials have holes where their map is transparent, and shadows by rays see these at texture coordinates alone: take shadows none, or samples on the device reference";
+    let message = "some materials have holes where their map is transparent, and shadows by rays see these at texture coordinates alone: take shadows map or none, or samples on the device reference";
     Err(Error::unsupported("surface.look.projection", message))
 }
 

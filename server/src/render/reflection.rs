@@ -1,7 +1,7 @@
 //! Reflection mapping: what a reflector sees is rendered from its place, without itself, and becomes the environment that
 //! its surface mirrors. Both executors take the six images by the renderer they have.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use displace_glsl::reference::{shadow_map::side_of, surroundings::Room};
 use glam::{DMat4, DVec3};
@@ -25,18 +25,20 @@ pub(crate) fn reflections(
     scene: &RenderScene,
     mut render: impl FnMut(&ImagePlan, &RenderScene) -> Result<ImageSet>,
 ) -> Result<Vec<Reflection>> {
-    scene.reflectors.iter().map(|reflector| reflection(scene, *reflector, &mut render)).collect()
+    let one = |(k, reflector): (usize, &Reflector)| reflection(scene, k, *reflector, &mut render);
+    scene.reflectors.iter().enumerate().map(one).collect()
 }
 
 fn reflection(
     scene: &RenderScene,
+    k: usize,
     Reflector { material, size_px, in_room }: Reflector,
     render: &mut impl FnMut(&ImagePlan, &RenderScene) -> Result<ImageSet>,
 ) -> Result<Reflection> {
     let own = bounds(scene, |m| m == material);
     let (low, high) = own.ok_or_else(|| {
-        let message = "no triangle that is shown has a reflector's material: name another";
-        Error::invalid("lighting.reflections", message)
+        let message = "names a material that no triangle that is shown has: name another";
+        Error::invalid(format!("lighting.reflections[{k}].material"), message)
     })?;
     let (centre, reach) = (0.5 * (low + high), (high - low).length());
     let rest = without(scene, material);
@@ -87,9 +89,7 @@ fn without(scene: &RenderScene, material: u32) -> RenderScene {
 
 fn kept(mesh: &RenderMesh, keeps: impl Fn(u32) -> bool) -> RenderMesh {
     let (mut triangles, mut tangents, mut runs) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, &(first, material)) in mesh.material_of_triangles.iter().enumerate().filter(|(_, run)| keeps(run.1)) {
-        let end = mesh.material_of_triangles.get(k + 1).map_or(mesh.triangles.len(), |next| next.0 as usize);
-        let run = first as usize..end;
+    for (run, material) in self::runs(mesh).filter(|run| keeps(run.1)) {
         runs.push((triangles.len() as u32, material));
         tangents.extend(mesh.tangents.get(3 * run.start..3 * run.end).into_iter().flatten().copied());
         triangles.extend_from_slice(&mesh.triangles[run]);
@@ -102,13 +102,21 @@ fn kept(mesh: &RenderMesh, keeps: impl Fn(u32) -> bool) -> RenderMesh {
     }
 }
 
+/// Triangles of one material after the other.
+fn runs(mesh: &RenderMesh) -> impl Iterator<Item = (Range<usize>, u32)> {
+    mesh.material_of_triangles.iter().enumerate().map(|(k, &(first, material))| {
+        let end = mesh.material_of_triangles.get(k + 1).map_or(mesh.triangles.len(), |next| next.0 as usize);
+        (first as usize..end, material)
+    })
+}
+
 /// Box of the triangles of some materials, in the world; `None` without any.
 fn bounds(scene: &RenderScene, of: impl Fn(u32) -> bool) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for instance in &scene.instances {
         let world_from_mesh = DMat4::from_cols_array(&instance.world_from_mesh.map(f64::from));
-        let mesh = kept(&scene.meshes[instance.mesh], &of);
-        for vertex in mesh.triangles.iter().flatten() {
+        let mesh = &scene.meshes[instance.mesh];
+        for vertex in runs(mesh).filter(|run| of(run.1)).flat_map(|run| mesh.triangles[run.0].as_flattened()) {
             let place = DVec3::from_array(mesh.positions[*vertex as usize].map(f64::from));
             let place = world_from_mesh.transform_point3(place);
             (low, high) = (low.min(place), high.max(place));

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::image::tables::pixel_from_world;
 use crate::domain::{
-    Result,
+    Error, Result,
     image::{
         ImagePlan, LightShape, Lighting, RenderAlpha, RenderCamera, RenderLight, RenderMaterial, RenderScene, Shading,
         shadow_map::{SIDE_PX, WIDE_PX},
@@ -18,6 +18,8 @@ use crate::domain::{
     request::Shadows,
 };
 
+/// A point takes six sides.
+const MOST_LIGHTS: usize = 64;
 /// Beyond what a side is for, so that windows of samples lie inside.
 const MARGIN_PX: f64 = 4.0;
 /// How far what is as steep as 45 degrees may rise, so many texels along, before it shades itself.
@@ -42,16 +44,23 @@ pub(crate) struct ShadowPlan {
 
 impl ShadowPlan {
     /// `None` where the scene asks for no shadow maps.
-    pub(crate) fn new(scene: &RenderScene) -> Option<Self> {
-        if scene.shadows != Shadows::Map || scene.lighting.lights.is_empty() {
-            return None;
+    pub(crate) fn new(scene: &RenderScene) -> Result<Option<Self>> {
+        let lights = scene.lighting.lights.len();
+        if scene.shadows != Shadows::Map || lights == 0 {
+            return Ok(None);
+        }
+        if lights > MOST_LIGHTS {
+            let message = format!(
+                "the file has {lights} lights, and shadow maps are for up to {MOST_LIGHTS}: take shadows ray, or name the lights to take"
+            );
+            return Err(Error::too_large("lighting.shadows", message));
         }
         let mut plan = Self { sides: Vec::new(), faces: Vec::new(), texels: 0 };
         let corners = corners(scene);
         for light in &scene.lighting.lights {
             plan.add(light, &corners);
         }
-        Some(plan)
+        Ok(Some(plan))
     }
 
     fn add(&mut self, light: &RenderLight, corners: &[DVec3]) {

@@ -139,7 +139,7 @@ fn uneven_scale_bends_as_the_scaled_displaced_surface() {
     assert!((bent(&local, DVec3::Z, rises, &[]) - displaced).length() < 1e-14);
 }
 
-/// S3 prints red along T and green along S; t points up, as the bitangent of glTF does.
+/// CySlice prints red along T and green along S; t points up, as the bitangent of glTF does.
 #[test]
 fn cyslice_is_a_swizzle_where_uvs_are_not_mirrored_and_inverts_green_where_they_are() {
     let m = DVec3::new(0.3, 0.5, 0.8);

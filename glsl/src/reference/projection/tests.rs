@@ -119,7 +119,7 @@ fn weights_are_shares_of_one_and_a_side_that_is_turned_away_has_none() {
     assert!((weights_of(DVec3::ONE.normalize()) - DVec3::splat(1.0 / 3.0)).length() < 1e-15);
 }
 
-/// E1 of the seed: y_w = R sin(theta) cos(phi) puts every place into the plane x = y, at radii from 0 to sqrt 2.
+/// As Everson's notes print it: y_w = R sin(theta) cos(phi) puts every place into the plane x = y, at radii from 0 to sqrt 2.
 #[test]
 fn the_sphere_as_printed_is_flat() {
     let (mut sum, mut count) = (0.0, 0.0);

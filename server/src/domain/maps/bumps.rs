@@ -59,10 +59,16 @@ struct Normals<'r> {
     exact_zero: bool,
 }
 
+fn is_printed_height(layer: &LayerRequest) -> bool {
+    layer.preset == Preset::AsPrinted && !layer.source.is_normal()
+}
+
 impl Bender<'_> {
     fn shading(&self, index: usize, request: &MaterialDetail) -> Result<Shading> {
         let mut shading = Shading::default();
         let mut bump = Bump { uv_set: request.uv_set, ..Bump::default() };
+        // As printed all bend the triangle's own normal, a map that a file could hold, too.
+        bump.faceted = self.method == Method::Bump && request.layers.iter().any(is_printed_height);
         for (k, layer) in request.layers.iter().enumerate() {
             let field = format!("details[{index}].layers[{k}]");
             match &layer.source {
@@ -70,7 +76,7 @@ impl Bender<'_> {
                     let (space, swizzle, flip_green, exact_zero) = (*space, *swizzle, *flip_green, *exact_zero);
                     let normals = Normals { map, space, swizzle, flip_green, exact_zero };
                     shading.has_normals = true;
-                    if shading.texture.is_none() && normals.fits_gltf(layer) {
+                    if !bump.faceted && shading.texture.is_none() && normals.fits_gltf(layer) {
                         let texture = self.texture(&field, &normals, layer, request.uv_set)?;
                         shading.texture = Some(Arc::new(texture));
                     } else {
@@ -84,7 +90,6 @@ impl Bender<'_> {
                     return Err(Error::invalid(field, message));
                 }
                 _ if self.method == Method::Bump => {
-                    bump.faceted |= layer.preset == Preset::AsPrinted;
                     // Only displacement prints the other sign.
                     let heights = Layer { scale: layer.scale, ..self.resolver.layer(&field, layer)? };
                     bump.layers.push(self.heights(&heights)?);

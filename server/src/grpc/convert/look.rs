@@ -24,20 +24,14 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
     let environment = lighting.environment.take();
     let reflections = reflections(&join(path, "reflections"), std::mem::take(&mut lighting.reflections))?;
     let bounces = at_most(&join(path, "bounces"), lighting.bounces, 0, MOST_BOUNCES)?;
+    let layout = layout(&join(path, "environment_layout"), lighting.environment_layout, environment.is_some())?;
     let ambient = if environment.is_some() { 0.0 } else { DEFAULT_AMBIENT };
     let shading = shading(&join(path, "shading"), lighting.shading)?;
     Ok(Look {
         lights: lights(&join(path, "lights"), lighting.lights)?,
         ambient: within(&join(path, "ambient"), lighting.ambient.unwrap_or(ambient), 0.0, 1.0)?,
         environment: environment.map(|asset| digest(&join(path, "environment"), Some(&asset))).transpose()?,
-        environment_layout: match known::<v1::EnvironmentLayout>(
-            &join(path, "environment_layout"),
-            lighting.environment_layout,
-        )? {
-            v1::EnvironmentLayout::Unspecified | v1::EnvironmentLayout::Equirect => EnvironmentLayout::Equirect,
-            v1::EnvironmentLayout::Cube => EnvironmentLayout::Cube,
-            v1::EnvironmentLayout::Sphere => EnvironmentLayout::Sphere,
-        },
+        environment_layout: layout,
         reflections,
         bounces,
         shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
@@ -60,6 +54,18 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
             v1::AlphaMode::Stochastic => AlphaMode::Stochastic,
         },
     })
+}
+
+fn layout(path: &str, layout: i32, has_environment: bool) -> Result<EnvironmentLayout> {
+    let layout = match known::<v1::EnvironmentLayout>(path, layout)? {
+        v1::EnvironmentLayout::Unspecified | v1::EnvironmentLayout::Equirect => EnvironmentLayout::Equirect,
+        v1::EnvironmentLayout::Cube => EnvironmentLayout::Cube,
+        v1::EnvironmentLayout::Sphere => EnvironmentLayout::Sphere,
+    };
+    if !has_environment && layout != EnvironmentLayout::Equirect {
+        return Err(Error::invalid(path, "says how an environment is laid out, and there is none: give one (--env)"));
+    }
+    Ok(layout)
 }
 
 fn shading(path: &str, shading: i32) -> Result<Shading> {
@@ -115,8 +121,11 @@ fn reflections(path: &str, reflections: Vec<v1::Reflection>) -> Result<Vec<Refle
         let path = format!("{path}[{k}]");
         let is_new = reflections[..k].iter().all(|other| other.material != one.material);
         if one.material.is_empty() || !is_new {
-            let field = join(&path, "material");
-            return Err(Error::invalid(field, "names no material, or one that an entry before it names: give another"));
+            let message = match one.material.as_str() {
+                "" => "is empty: name a material of the file".to_owned(),
+                name => format!("'{name}' is named by an entry before it, too: leave one out"),
+            };
+            return Err(Error::invalid(join(&path, "material"), message));
         }
         let size_px = if one.size == 0 { REFLECTION_PX } else { at_most(&join(&path, "size"), one.size, 16, 1024)? };
         Ok(ReflectionRequest { material: one.material.clone(), size_px, in_room: one.r#box })
@@ -128,7 +137,7 @@ fn at_most(field: &str, value: u32, least: u32, most: u32) -> Result<u32> {
     if (least..=most).contains(&value) {
         return Ok(value);
     }
-    Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}")))
+    Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}: take one of these")))
 }
 
 fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {

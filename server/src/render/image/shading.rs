@@ -17,7 +17,7 @@ use glam::{DMat4, DVec3};
 use crate::{
     domain::{
         Result,
-        image::{Filter, ImageSet, RenderCamera},
+        image::{Filter, ImageSet, RenderCamera, Shading},
         projection::Projection,
         request::Aov,
     },
@@ -193,6 +193,11 @@ fn record_moments(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
     Ok(recorder.dispatch(&SHADERS.moments, count, &params, &bound)?)
 }
 
+/// Whether fragments take light by other normals than that of the pixel: by the triangle's, the vertices', or many.
+pub(super) fn any_normal(Frame { scene, work, .. }: &Frame<'_>) -> u32 {
+    u32::from(matches!(scene.shading, Shading::Flat | Shading::Gouraud) || !work.spreads.is_empty())
+}
+
 /// A ray to each light, or to one after the other of the samples of those that have a size.
 fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { tables, streams, work, .. } = frame;
@@ -200,7 +205,7 @@ fn record_shadows(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
     let lights = tables.lights.len() as u32;
     let rays = count * u64::from(lights);
     for k in 0..tables.lights.iter().map(lights::samples).max().unwrap_or(1) {
-        let params = LightAimsParams { count: rays as u32, lights, k };
+        let params = LightAimsParams { count: rays as u32, lights, k, any_normal: any_normal(frame) };
         let bound = [
             ("points", &work.points),
             ("appearances", &work.appearances),

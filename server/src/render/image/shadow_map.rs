@@ -15,7 +15,9 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, slabs,
+    Frame, Run,
+    shading::any_normal,
+    slabs,
     streams::{SceneStreams, WorkStreams},
     tables::Tables,
     textures::Textures,
@@ -30,7 +32,7 @@ pub(crate) struct ShadowStreams {
 
 /// Draws what lights see, where the scene asks for shadow maps.
 pub(crate) fn make(run: &mut Run<'_>, scene: &RenderScene) -> Result<Option<ShadowStreams>> {
-    let Some(plan) = ShadowPlan::new(scene) else { return Ok(None) };
+    let Some(plan) = ShadowPlan::new(scene)? else { return Ok(None) };
     let maps = ShadowStreams {
         faces: Stream::from_slice(run.device, "shadow faces", &plan.faces)?,
         depths: Stream::new(run.device, "shadow depths", 16, plan.texels)?,
@@ -88,6 +90,6 @@ pub(crate) fn record(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64)
         ("depths", &maps.depths),
         ("shadows", &work.shadows),
     ];
-    let params = ShadowMapParams { count: pairs as u32, lights: lights as u32 };
+    let params = ShadowMapParams { count: pairs as u32, lights: lights as u32, any_normal: any_normal(frame) };
     Ok(recorder.dispatch(&SHADERS.shadow_map, pairs, &params, &bound)?)
 }

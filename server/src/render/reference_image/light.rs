@@ -166,7 +166,9 @@ impl LightModel {
 
     /// Of light number `l`, as `arriving_of` reads it.
     fn share(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
-        let is_behind = |direction: DVec3| hit.look.normal.dot(direction) <= 0.0 && hit.look.normal != DVec3::ZERO;
+        let any_normal = matches!(self.shading, Shading::Flat | Shading::Gouraud) || hit.spread.is_some();
+        let normal = hit.look.normal;
+        let is_behind = |direction: DVec3| !any_normal && normal.dot(direction) <= 0.0 && normal != DVec3::ZERO;
         let towards = incoming(light, hit.position).direction;
         match (&self.shade, &self.shadow_maps) {
             (None, None) => 1.0,

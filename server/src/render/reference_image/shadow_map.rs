@@ -11,7 +11,7 @@ use crate::{
 
 /// What lights see, where the scene asks for shadow maps.
 pub(super) fn made(scene: &RenderScene) -> Result<Option<ShadowMaps>> {
-    let Some(plan) = ShadowPlan::new(scene) else { return Ok(None) };
+    let Some(plan) = ShadowPlan::new(scene)? else { return Ok(None) };
     let mut maps = ShadowMaps { faces: plan.faces, depths: Vec::new() };
     let mut scene = stopping(scene);
     for Side { camera, face } in &plan.sides {
