@@ -34,6 +34,11 @@ fn a_refusal_names_flag_value_range_and_fix() {
     refused("render MESH -o o.png --orbit 1,91", "--orbit", &["91", "-90 to 90"]);
     refused("render MESH -o o.png --light 0,0,0", "--light", &["0,0,0"]);
     refused("render MESH -o o.png --ambient 2", "--ambient", &["2", "0 to 1"]);
+    refused("render MESH -o o.png --light 1,2,3@171", "--light", &["171"]);
+    refused("render MESH -o o.png --light point:0,0,0,-1", "--light", &["-1"]);
+    refused("render MESH -o o.png --reflect a --reflect-size 8", "--reflect-size", &["8", "16"]);
+    refused("render MESH -o o.png --preimage 1", "--preimage", &["1"]);
+    refused("render MESH -o o.png --env-layout ball", "--env-layout", &["equirect", "cube", "sphere"]);
     refused("render MESH -o o.jpg", "--output", &[".png", ".exr"]);
     refused("render MESH -o o.png --aov depth,depth", "--aov", &["once"]);
 }
@@ -95,7 +100,7 @@ fn files_that_are_not_there_are_named() {
 
 #[test]
 fn flags_of_later_versions_do_not_exist() {
-    for flag in ["--steps", "--supersample"] {
+    for flag in ["--steps", "--self-shadow", "--silhouettes", "--orbit-frames", "--supersample"] {
         let run = displace(&["apply", "m.glb", "-o", "o.glb", flag, "1"]);
         assert_eq!(run.code, Some(2), "{flag}");
         assert!(run.stderr.contains("unexpected argument"), "{flag}: {}", run.stderr);

@@ -9,6 +9,7 @@ use displace_server::domain::{
     environment::Environment,
     image::{ColorMap, Filter, ImagePlan, RenderLight, RenderMap, RenderMaterial, RenderScene, Shading},
     maps::SlopeMaps,
+    request::Shadows,
 };
 use displace_tests::meshes;
 
@@ -37,6 +38,8 @@ fn light_of_many_normals_is_that_of_the_twins() {
         scene.filter = filter;
         assert_agrees(&scene, 3e-3, "lights");
     }
+    scene.shadows = Shadows::Ray;
+    assert_agrees(&scene, 3e-3, "lights that cast shadows");
     scene.lighting.environment = Some(Arc::new(sky()));
     assert_agrees(&scene, 5e-3, "lights and sky");
 }

@@ -179,6 +179,18 @@ fn lights_that_have_a_size_agree_with_their_twin() {
 }
 
 #[test]
+fn a_ball_of_light_shines_on_what_lies_in_it() {
+    let ball = RenderLight { radius: 0.5, ..RenderLight::point([1.5, -1.4, 1.5]) };
+    let scene = RenderScene { shadows: Shadows::Ray, ..lit_by(ball_over_plane(), vec![ball]) };
+    let (found, expected) = (render(&scene, 96, 96), reference(&scene, 96, 96));
+    let off = differing(&found, &expected, 1e-2);
+    assert!(off <= 100, "{off} pixels");
+    let brightest = expected.color.iter().map(|c| c[0]).fold(0.0, f32::max);
+    let bright = |image: &ImageSet| image.color.iter().filter(|c| c[0] > 0.5 * brightest).count();
+    assert!(bright(&expected) > 20 && bright(&found) > 20, "{} {}", bright(&expected), bright(&found));
+}
+
+#[test]
 fn lights_that_have_a_size_agree_with_the_oracle() {
     for (shading, shadows) in
         [(Shading::Phong, Shadows::Ray), (Shading::Phong, Shadows::None), (Shading::Pbr, Shadows::Ray)]

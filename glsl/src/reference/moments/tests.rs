@@ -49,7 +49,7 @@ fn products_of_a_texel_are_means_over_it_of_what_lies_between_texels() {
 }
 
 fn under(normal: DVec3, flip: f64) -> Under {
-    Under { color: glam::DVec4::ONE, normal: normal * flip, flip, tangent: DVec3::X.extend(-1.0) }
+    Under { color: glam::DVec4::ONE, normal: normal * flip, flip, tangent: DVec3::X.extend(-1.0), tilt: None }
 }
 
 /// Covariance of slopes, over the plane across `n`, of normals drawn evenly about `mean` in the tangent frame.

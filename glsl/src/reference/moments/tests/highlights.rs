@@ -180,7 +180,8 @@ fn truth(maps: &Maps, scene: &Scene<'_>) -> Highlight {
 /// Means over all pixels of so many texels a side: by moments, and by the filtered normal alone.
 fn shown(maps: &Maps, scene: &Scene<'_>, texels: usize) -> [Highlight; 2] {
     let (pixels, side) = (SIDE / texels, texels as f64 / SIDE as f64);
-    let under = Under { color: DVec4::ONE, normal: DVec3::Z, flip: 1.0, tangent: DVec4::new(1.0, 0.0, 0.0, 1.0) };
+    let under =
+        Under { color: DVec4::ONE, normal: DVec3::Z, flip: 1.0, tangent: DVec4::new(1.0, 0.0, 0.0, 1.0), tilt: None };
     let of_pixel = |i: usize| {
         let middle = side * (DVec2::new((i % pixels) as f64, (i / pixels) as f64) + OFF);
         let seen = |levels: &[Level]| trilinear(levels, middle.to_array(), [side, 0.0], [0.0, side], WRAP);
