@@ -29,9 +29,9 @@ MOMENTS = {
     for distance in (1, 4, 16)
     for name, flags in (("off", ""), ("on", "--moments on"), ("supersampled", "--filter bilinear --supersample 1024"))
 }
-PIXEL = 8 * math.tan(math.radians(20)) / 120  # of RINGS's image, in world units
+PIXEL = 8 * math.tan(math.radians(20)) / 80  # of RINGS's image, in world units
 AHEAD = "--eye 0,0,4 --look-at 0,0,0 --fov 40 --light 0,0,1 --ambient 0 --shading pbr"
-RINGS = f"rings.glb --size 240x120 {AHEAD}"
+RINGS = f"rings.glb --size 228x80 {AHEAD}"
 BUMPY = f"{SIZE} --orbit 25,10,3.9 --light 1,1,1"
 # The height whose slopes are those of `bump`: a texel of its map is 2 pi / 256 long on the ball.
 BUMPS = "0.4295 * (sqrt(max(0.36, 1 - 3.344 * ((fract(8*u) - 0.5) * (fract(8*u) - 0.5) + (fract(4*v) - 0.5) * (fract(4*v) - 0.5)))) - 0.6)"
@@ -64,8 +64,8 @@ PICTURES = {
     "silhouette-phong": f"render bumps.glb {BUMPY} --shading phong",
     "silhouette-displaced": f"render fine.glb {BUMPY} --shading phong --expr '{BUMPS}' --uniform 3",
     # Row 15.
-    "opacity-mask": f"render painted.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha mask --shadows ray",
-    "opacity-blend": f"render painted.glb {SIZE} --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha blend",
+    "opacity-mask": f"render painted.glb --size 288x216 --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha mask --shadows ray",
+    "opacity-blend": f"render painted.glb --size 288x216 --orbit 20,15,3.2 --light 1,1,1 --opacity holes.png --alpha blend",
     "alpha-mask": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha mask --shadows ray",
     "alpha-blend": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha blend",
     "alpha-stochastic": f"render leaves.glb {SIZE} --orbit 25,25,3.6 --light 0.3,1,0.4 --alpha stochastic",
@@ -237,10 +237,10 @@ def ring(x: int, y: int):
 
 
 def smaller_and_smaller():
-    """Quads of 91, 64, 45, 32, 23 and 16 pixels in RINGS's image."""
+    """Quads of 64, 45, 32, 23 and 16 pixels in RINGS's image."""
     quads = ([], [], [], [])
-    for left, top, side in ((8, 8, 91), (107, 8, 64), (179, 8, 45), (107, 80, 32), (147, 80, 23), (178, 80, 16)):
-        place = lambda u, v: (((left + side * u - 120) * PIXEL, (60 - top - side * v) * PIXEL, 0), (0, 0, 1))  # noqa: E731
+    for left, side in ((8, 64), (80, 45), (133, 32), (173, 23), (204, 16)):
+        place = lambda u, v: (((left + side * u - 114) * PIXEL, (32 - side * v) * PIXEL, 0), (0, 0, 1))  # noqa: E731
         for to, values in zip(quads, (*grid(1, 1, place)[:3], [tuple(i + len(quads[0]) for i in t) for t in ((0, 2, 3), (0, 3, 1))])):
             to.extend(values)
     return quads

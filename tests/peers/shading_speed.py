@@ -1,6 +1,6 @@
 """Seconds of an image beside Cycles and Mitsuba, in one run, on two processors.
 
-    shading_speed.py [--displace BIN] [--bpy PYTHON] [--device NAME] [--runs N] [--out DIR]
+    shading_speed.py [--displace BIN] [--bpy PYTHON] [--device NAME] [--runs N] [--flip] [--scenes SCENE ...] [--out DIR]
 
 At 1024 x 1024:
 
@@ -12,8 +12,8 @@ At 1024 x 1024:
 Peers: seconds of a render of the loaded scene, the first one (which compiles, for Mitsuba) and the median of the others.
 Ours: of the whole program, start, reading and writing included, the first and the median of the others, computed afresh each
 time, and never with fewer than 4 samples. Wall seconds, and processor seconds of the median after them: other work on the
-machine changes these less. The frame alone is told, too: passes of the report, without start, files and codecs. Mean FLIP is
-that of each image to the same program's own with 256 samples. Prints a Markdown table with ratios of wall seconds, theirs /
+machine changes these less. The frame alone is told, too: passes of the report, without start, files and codecs. Mean FLIP, with
+--flip, is that of each image to the same program's own with 256 samples. Prints a Markdown table with ratios of wall seconds, theirs /
 ours; exits 0. Without --displace the peers alone.
 """
 
@@ -43,7 +43,7 @@ SCALE, MIDLEVEL, TEXELS = 0.1, 0.5, 512
 SUN = ["--light", "0.5,0.8,1", "--ambient", "0"]
 LOOKS = {"matte": SUN, "environment": ["--shading", "pbr", "--ambient", "0"], "displaced": SUN}
 # Passes of a report that are no rendering.
-NOT_FRAME = {"read_gltf", "decode_maps", "decode_images", "compile", "encode"}
+NOT_FRAME = {"read_gltf", "decode_maps", "decode_bumps", "decode_images", "compile", "encode"}
 CONVERGED = 256
 Seconds = dict[str, list[float]]
 
