@@ -13,8 +13,8 @@ Peers: seconds of a render of the loaded scene, the first one (which compiles, f
 Ours: of the whole program, start, reading and writing included, the first and the median of the others, computed afresh each
 time, and never with fewer than 4 samples. Wall seconds, and processor seconds of the median after them: other work on the
 machine changes these less. The frame alone is told, too: passes of the report, without start, files and codecs. Mean FLIP, with
---flip, is that of each image to the same program's own with 256 samples. Prints a Markdown table with ratios of wall seconds, theirs /
-ours; exits 0. Without --displace the peers alone.
+--flip, is that of each image to the same program's own with 256 samples. Prints a Markdown table with ratios of wall
+seconds, theirs / ours; exits 0. Without --displace the peers alone.
 """
 
 import argparse
