@@ -60,7 +60,7 @@ impl LookMap {
 /// it. Factors go on to multiply, but for those of 0, which would hide the map: they become 1. Fails where a mesh lacks
 /// texture coordinates, if these are read.
 pub fn replace_map(scene: &mut Scene, map: LookMap, image: Bytes, reads_uvs: bool) -> Result<()> {
-    let media_type = media_type(map.field(), &image)?;
+    let media_type = require_media_type(map.field(), &image)?;
     // A file that nobody can show must not get into a result.
     maps::color_map(map.field(), &image)?;
     if reads_uvs {
@@ -136,14 +136,18 @@ fn show_known_factors(material: &mut Material, map: LookMap, emissive_strength: 
     }
 }
 
-fn media_type(field: &str, image: &[u8]) -> Result<&'static str> {
+fn require_media_type(field: &str, image: &[u8]) -> Result<&'static str> {
+    media_type(image).ok_or_else(|| {
+        Error::invalid(field, "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it")
+    })
+}
+
+/// Of the two that glTF materials hold, by the first bytes.
+pub(super) fn media_type(image: &[u8]) -> Option<&'static str> {
     match image {
-        [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
-        [0xff, 0xd8, ..] => Ok("image/jpeg"),
-        _ => Err(Error::invalid(
-            field,
-            "the image is neither PNG nor JPEG, the two that glTF materials hold: convert it",
-        )),
+        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
+        [0xff, 0xd8, ..] => Some("image/jpeg"),
+        _ => None,
     }
 }
 

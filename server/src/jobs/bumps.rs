@@ -69,6 +69,7 @@ fn require_uvs(mesh: &Mesh, primitive: usize, shading: &crate::domain::bump::Sha
 /// Files hold one normal map of a material, in tangent space, and nothing else that bends normals.
 pub(super) fn refuse_in_files(bumps: &Bumps, requests: &DisplaceRequest) -> Result<()> {
     let Some(bump) = bumps.all().find_map(|shading| shading.bump.as_ref()) else { return Ok(()) };
+    let heights = "heights that bend normals, which glTF materials do not hold: choose displacement, or render it";
     let what = match bump.layers.first().map(|layer| &layer.source) {
         Some(BumpSource::Map { kind, .. }) => match kind {
             crate::domain::image::BumpKind::Object => {
@@ -80,9 +81,9 @@ pub(super) fn refuse_in_files(bumps: &Bumps, requests: &DisplaceRequest) -> Resu
             crate::domain::image::BumpKind::Tangent => {
                 "a second normal map, or one whose texels lie on nodes, which glTF materials do not hold: merge them, sample at centers, or render it"
             }
-            _ => "heights that bend normals, which glTF materials do not hold: choose displacement, or render it",
+            _ => heights,
         },
-        _ => "heights that bend normals, which glTF materials do not hold: choose displacement, or render it",
+        _ => heights,
     };
     let method = requests.method.name();
     Err(Error::unsupported("details", format!("method {method} has {what}")))

@@ -12,7 +12,8 @@ use super::image::tables::pixel_from_world;
 use crate::domain::{
     Error, Result,
     image::{
-        ImagePlan, LightShape, Lighting, RenderAlpha, RenderCamera, RenderLight, RenderMaterial, RenderScene, Shading,
+        ImagePlan, LightShape, Lighting, RenderAlpha, RenderBump, RenderCamera, RenderLight, RenderMaterial,
+        RenderScene, Shading,
         shadow_map::{SIDE_PX, WIDE_PX},
     },
     request::Shadows,
@@ -230,7 +231,7 @@ fn stopping_material(material: &RenderMaterial) -> RenderMaterial {
     if cutoff > 0.0 {
         maps[MAP_BASE_COLOR] = material.maps[MAP_BASE_COLOR].clone();
     }
-    RenderMaterial { maps, alpha, double_sided: true, ..material.clone() }
+    RenderMaterial { maps, alpha, bump: RenderBump::default(), double_sided: true, ..material.clone() }
 }
 
 /// Of one side.

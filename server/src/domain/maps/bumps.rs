@@ -14,6 +14,7 @@ use crate::domain::{
     detail::{Layer, LayerSource, Map, Sampling, Wrap},
     encode::encode_linear_rgb16,
     image::BumpKind,
+    look,
     request::{LayerRequest, MapRequest, MaterialDetail, Method, Preset, SourceRequest, Space, Swizzle},
     scene::Scene,
 };
@@ -154,7 +155,7 @@ impl Bender<'_> {
         let field = format!("{field}.normal");
         let pixels = self.resolver.pixels(&field, &normals.map.asset)?;
         let own = (self.resolver.assets)(&normals.map.asset)?;
-        let media_type = media_type(&own).filter(|_| normals.is_plain() && !layer.flip_v);
+        let media_type = look::media_type(&own).filter(|_| normals.is_plain() && !layer.flip_v);
         axes(&field, &pixels, normals.swizzle)?;
         let (image, media_type) = match media_type {
             Some(media_type) => (own, media_type),
@@ -228,12 +229,4 @@ fn check_count(index: usize, bump: &Bump) -> Result<()> {
         "{maps} maps besides the material's normal map bend its normals; allowed are {BUMP_SLOTS}: merge heights into one map"
     );
     Err(Error::invalid(format!("details[{index}].layers"), message))
-}
-
-fn media_type(image: &[u8]) -> Option<&'static str> {
-    match image {
-        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
-        [0xff, 0xd8, ..] => Some("image/jpeg"),
-        _ => None,
-    }
 }

@@ -10,7 +10,11 @@ use displace_glsl::{
 };
 use glam::{DVec2, DVec3};
 
-use super::{place::Place, projected, shading::on_map};
+use super::{
+    place::Place,
+    projected,
+    shading::{on_map, still},
+};
 use crate::{
     domain::{
         Error, Result,
@@ -111,8 +115,4 @@ impl Seen<'_> {
         };
         [dx, dy].map(|side| DVec2::from_array(on_map(self.map, side, 0.0)))
     }
-}
-
-fn still(at: DVec3) -> Barycentrics {
-    Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
 }

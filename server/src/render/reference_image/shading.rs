@@ -167,7 +167,7 @@ fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels:
 }
 
 /// A place without change.
-fn still(at: DVec3) -> Barycentrics {
+pub(super) fn still(at: DVec3) -> Barycentrics {
     Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
 }
 
