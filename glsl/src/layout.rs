@@ -43,6 +43,7 @@ pub mod light;
 pub mod lists;
 pub mod raster;
 pub mod refine;
+pub mod relief;
 pub mod shadow;
 pub mod simplify;
 pub mod smooth;

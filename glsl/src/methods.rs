@@ -1,5 +1,10 @@
 //! The methods that realise a detail: one enum, one table.
 
+use crate::{
+    ComputeShader, SHADERS,
+    reference::relief::{self, Marched},
+};
+
 /// How a detail is realised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
 pub enum Method {
@@ -9,10 +14,31 @@ pub enum Method {
     Vector,
     Bump,
     Normal,
+    Steep,
+}
+
+/// How a method finds per pixel what is seen of heights.
+#[derive(Clone, Copy, Debug)]
+pub struct Marcher {
+    pub shader: &'static ComputeShader,
+    pub twin: Marched,
+    /// Whether it finds the surface; else maps are shifted, and what is seen stays as far away as it is.
+    pub finds_depth: bool,
+    /// What the map needs besides heights.
+    pub needs: Needs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    Heights,
+    /// Greatest heights of cells and of what they add up to.
+    Bounds,
+    /// Cones of texels.
+    Cones,
 }
 
 /// A row of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct MethodRow {
     pub method: Method,
     pub name: &'static str,
@@ -21,6 +47,8 @@ pub struct MethodRow {
     pub represents: &'static [&'static str],
     /// Where the cost lies.
     pub cost: &'static str,
+    /// Of those that work per pixel.
+    pub marcher: Option<Marcher>,
 }
 
 /// Every method of this version.
@@ -31,6 +59,7 @@ pub const METHODS: &[MethodRow] = &[
         summary: "The mesh as it is, subdivided, without its detail.",
         represents: &[],
         cost: "triangles",
+        marcher: None,
     },
     MethodRow {
         method: Method::Displacement,
@@ -38,6 +67,7 @@ pub const METHODS: &[MethodRow] = &[
         summary: "Moves vertices along the welded direction by heights (Cook 1984).",
         represents: &["height", "expression", "normal"],
         cost: "triangles; per vertex one map lookup a layer",
+        marcher: None,
     },
     MethodRow {
         method: Method::Vector,
@@ -45,6 +75,7 @@ pub const METHODS: &[MethodRow] = &[
         summary: "Moves vertices by vectors, so that overhangs are possible.",
         represents: &["vector", "expression", "normal"],
         cost: "triangles; per vertex one map lookup a layer",
+        marcher: None,
     },
     MethodRow {
         method: Method::Bump,
@@ -52,6 +83,7 @@ pub const METHODS: &[MethodRow] = &[
         summary: "Bends normals by the slopes of heights and by normal maps, which add (Blinn 1978, Mikkelsen 2010).",
         represents: &["height", "expression", "normal"],
         cost: "per pixel one filtered map lookup a layer",
+        marcher: None,
     },
     MethodRow {
         method: Method::Normal,
@@ -59,6 +91,20 @@ pub const METHODS: &[MethodRow] = &[
         summary: "Bends normals by normal maps, in tangent or object space (Peercy et al. 1997).",
         represents: &["normal"],
         cost: "per pixel one filtered map lookup a layer",
+        marcher: None,
+    },
+    MethodRow {
+        method: Method::Steep,
+        name: "steep",
+        summary: "Walks along the view ray in even steps until it is below the heights (McGuire and McGuire 2005).",
+        represents: &["height", "normal"],
+        cost: "per pixel one map lookup a step, as many as the angle asks for",
+        marcher: Some(Marcher {
+            shader: &SHADERS.steep,
+            twin: relief::steep::marched,
+            finds_depth: true,
+            needs: Needs::Heights,
+        }),
     },
 ];
 
@@ -72,6 +118,12 @@ impl Method {
     #[must_use]
     pub fn moves_vertices(self) -> bool {
         matches!(self, Self::Displacement | Self::Vector)
+    }
+
+    /// How it finds per pixel what is seen of heights; none of those that do not.
+    #[must_use]
+    pub fn marcher(self) -> Option<&'static Marcher> {
+        self.row().marcher.as_ref()
     }
 
     /// As the command line and the report write it.

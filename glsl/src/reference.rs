@@ -42,6 +42,7 @@ pub mod reconcile_corners;
 pub mod reconcile_edges;
 pub mod reconcile_interiors;
 pub mod refine;
+pub mod relief;
 pub mod samples;
 pub mod scan;
 pub mod shade_pbr;

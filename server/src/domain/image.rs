@@ -4,6 +4,7 @@ mod alpha;
 mod bump;
 mod lighting;
 mod plan;
+mod relief;
 pub mod shadow_map;
 
 use std::sync::Arc;
@@ -21,6 +22,7 @@ pub use alpha::{AlphaMode, BLEND_CUTOFF, RenderAlpha};
 pub use bump::{BumpKind, BumpUse, RenderBump, RenderFormula};
 pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
+pub use relief::{HeightMap, ReliefSettings, RenderRelief, SelfShadow, Silhouettes};
 
 /// How an image was taken, for the files that can hold it.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +50,7 @@ pub struct RenderScene {
     pub shadows: Shadows,
     pub filter: Filter,
     pub projection: Projection,
+    pub relief: ReliefSettings,
     /// Materials that mirror what is around them, each at most once.
     pub reflectors: Vec<Reflector>,
     /// Mirrors one behind the other that rays follow; the rasteriser follows none.
@@ -131,6 +134,8 @@ pub struct RenderMesh {
     /// Linear RGBA; empty means white.
     pub colors: Arc<Vec<[f32; 4]>>,
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Of vertices, along which heights are above the base, of any length; empty where these are the normals.
+    pub directions: Arc<Vec<[f32; 3]>>,
     /// (first triangle, index into `materials`), ascending; covers all triangles.
     pub material_of_triangles: Vec<(u32, u32)>,
     /// Of the mesh before it is displaced.
@@ -159,6 +164,7 @@ pub struct RenderMaterial {
     /// details hold, `bump` says.
     pub maps: [Option<RenderMap>; MAP_SLOTS],
     pub bump: RenderBump,
+    pub relief: Option<RenderRelief>,
     pub double_sided: bool,
     pub alpha: RenderAlpha,
     pub unlit: bool,

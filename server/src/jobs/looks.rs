@@ -166,6 +166,7 @@ fn render_material(material: &Material, maps: [Option<RenderMap>; MAP_SLOTS], al
         occlusion_strength: material.occlusion_strength,
         maps,
         bump: RenderBump::default(),
+        relief: None,
         double_sided: material.double_sided,
         alpha: RenderAlpha::new(material.alpha, alpha),
         unlit: material.unlit,

@@ -1,0 +1,70 @@
+//! Heights that images show per pixel.
+
+use std::sync::Arc;
+
+use displace_glsl::methods::Method;
+use serde::{Deserialize, Serialize};
+
+/// How all materials with relief show it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReliefSettings {
+    /// One that marches, where any material has relief.
+    pub method: Method,
+    pub silhouettes: Silhouettes,
+    pub self_shadow: SelfShadow,
+}
+
+/// Whether relief changes the outline of what it is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Silhouettes {
+    /// The outline is that of the base.
+    #[default]
+    None,
+    /// Rays are followed through the prisms between the base and the greatest height (Porumbescu et al. 2005).
+    Shell,
+    /// Rays are followed over a quadric that the base is near to (Oliveira and Policarpo 2005).
+    Quadric,
+}
+
+/// Whether relief takes its own light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum SelfShadow {
+    #[default]
+    None,
+    /// A march towards the light meets it or not.
+    Hard,
+    /// By how far the way towards the light comes below the heights.
+    Soft,
+}
+
+/// The heights of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderRelief {
+    pub map: Arc<HeightMap>,
+    /// Of each vertex's `uvs`.
+    pub uv_channel: u32,
+    pub map_from_uv: [[f32; 3]; 2],
+    /// Linear steps of a march; 0: as many as the angle asks for.
+    pub steps: u32,
+}
+
+/// Heights above the base as they are marched: texel i of n lies at (i + 1/2) / n.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeightMap {
+    pub width: u32,
+    pub height: u32,
+    /// Mesh-local units, midlevel and scale in it; row-major.
+    pub heights: Vec<f32>,
+    /// Along u and v; else the border's texel goes on.
+    pub repeats: [bool; 2],
+    /// Width of its thinnest feature, texels.
+    pub thinnest_texels: f32,
+}
+
+impl HeightMap {
+    /// Least and greatest height.
+    #[must_use]
+    pub fn range(&self) -> [f32; 2] {
+        self.heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], h| [low.min(*h), high.max(*h)])
+    }
+}
