@@ -1,0 +1,1 @@
+//! Heights as they are laid out, against the maps that displacement reads.
