@@ -132,3 +132,6 @@ fn refuse_cost(path: &str, request: &RenderRequest) -> Result<()> {
     );
     Err(Error::unsupported(join(path, &format!("aovs[{n}]")), message))
 }
+
+#[cfg(test)]
+mod tests;
