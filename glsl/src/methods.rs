@@ -15,6 +15,8 @@ pub enum Method {
     Bump,
     Normal,
     Steep,
+    Occlusion,
+    Relief,
 }
 
 /// How a method finds per pixel what is seen of heights.
@@ -102,6 +104,32 @@ pub const METHODS: &[MethodRow] = &[
         marcher: Some(Marcher {
             shader: &SHADERS.steep,
             twin: relief::steep::marched,
+            finds_depth: true,
+            needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::Occlusion,
+        name: "occlusion",
+        summary: "Walks in even steps and takes the surface as straight along the last (Tatarchuk 2006).",
+        represents: &["height", "normal"],
+        cost: "per pixel one map lookup a step, as many as the angle asks for",
+        marcher: Some(Marcher {
+            shader: &SHADERS.occlusion,
+            twin: relief::occlusion::marched,
+            finds_depth: true,
+            needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::Relief,
+        name: "relief",
+        summary: "Walks in even steps and halves the last five times (Policarpo, Oliveira and Comba 2005).",
+        represents: &["height", "normal"],
+        cost: "per pixel one map lookup a step, as many as the angle asks for, and five",
+        marcher: Some(Marcher {
+            shader: &SHADERS.relief,
+            twin: relief::relief::marched,
             finds_depth: true,
             needs: Needs::Heights,
         }),

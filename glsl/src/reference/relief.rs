@@ -4,7 +4,13 @@
 //! All lengths across are texels of one level: texel (i, j) is at x = i, y = j, heights are bilinear between. A ray
 //! meets the surface where it goes from above it to on or below it; one that starts below is let out first.
 
+pub mod occlusion;
+#[expect(clippy::module_inception, reason = "a twin is called as its pass")]
+pub mod relief;
+pub mod search;
 pub mod steep;
+#[cfg(test)]
+mod tests;
 
 use glam::{DVec2, DVec4, IVec2};
 
