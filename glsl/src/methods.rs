@@ -17,6 +17,10 @@ pub enum Method {
     Steep,
     Occlusion,
     Relief,
+    Parallax,
+    ParallaxLimited,
+    ParallaxIterative,
+    Cone,
 }
 
 /// How a method finds per pixel what is seen of heights.
@@ -132,6 +136,58 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::relief::marched,
             finds_depth: true,
             needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::Parallax,
+        name: "parallax",
+        summary: "Reads maps where the view ray would meet a level surface (Kaneko et al. 2001).",
+        represents: &["height", "normal"],
+        cost: "per pixel one map lookup",
+        marcher: Some(Marcher {
+            shader: &SHADERS.parallax,
+            twin: relief::parallax::marched,
+            finds_depth: false,
+            needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::ParallaxLimited,
+        name: "parallax-limited",
+        summary: "Shifts as parallax, at most by the height (Welsh 2004).",
+        represents: &["height", "normal"],
+        cost: "per pixel one map lookup",
+        marcher: Some(Marcher {
+            shader: &SHADERS.parallax_limited,
+            twin: relief::parallax_limited::marched,
+            finds_depth: false,
+            needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::ParallaxIterative,
+        name: "parallax-iterative",
+        summary: "Goes on along the view ray by heights and slopes, four times (Premecz 2006).",
+        represents: &["height", "normal"],
+        cost: "per pixel four map lookups",
+        marcher: Some(Marcher {
+            shader: &SHADERS.parallax_iterative,
+            twin: relief::parallax_iterative::marched,
+            finds_depth: false,
+            needs: Needs::Heights,
+        }),
+    },
+    MethodRow {
+        method: Method::Cone,
+        name: "cone",
+        summary: "Walks as far as relaxed cones reach and halves the last step (Policarpo and Oliveira 2007).",
+        represents: &["height", "normal"],
+        cost: "a map of cones; per pixel two map lookups a step, and some",
+        marcher: Some(Marcher {
+            shader: &SHADERS.cone,
+            twin: relief::cone::marched,
+            finds_depth: true,
+            needs: Needs::Cones,
         }),
     },
 ];
