@@ -20,18 +20,18 @@ float cone_at(Trip trip, vec2 place) {
 
 // Parts from one that is above the surface by a gap until the ray leaves the cone: it does where its way across is the
 // cone times its height above the apex.
-uint parts_within(Trip trip, float part, uint at, float gap, inout March march) {
-    float s = float(at) * part;
-    uint k = min(uint(s), trip.course.nodes - 2u);
+uint parts_within(Trip trip, float part, uint all, uint at, float gap, inout March march) {
+    uint ways = trip.course.nodes - 1u;
+    uint k = at * ways / all;
     vec4 along = node_of(trip, k + 1u) - node_of(trip, k);
     if (along.z > 0.0) {
         return 0u;
     }
     march.fetches += 1u;
-    float cone = cone_at(trip, place_at(trip, s).xy);
+    float cone = cone_at(trip, place_at(trip, float(at) * part).xy);
     float reach = cone * gap / max(length(along.xy) - cone * along.z, 1e-30);
     // Cones hold for rays that are straight, as they are up to the next node.
-    return uint(min(reach, float(k + 1u) - s) / part);
+    return min(uint(min(reach / part, float(all))), (k + 1u) * all / ways - at);
 }
 
 March marched(Trip trip) {
@@ -55,7 +55,7 @@ March marched(Trip trip) {
         was_above = gap > 0.0;
         above = at;
         uint left = steps - k;
-        uint within = was_above ? parts_within(trip, part, at, gap, march) : 0u;
+        uint within = was_above ? parts_within(trip, part, all, at, gap, march) : 0u;
         at = min(at + max(within, max((all - at + left - 1u) / left, LEAST_PARTS)), all);
     }
     return march;

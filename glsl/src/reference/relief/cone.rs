@@ -21,40 +21,39 @@ pub fn marched(map: &ReliefMap, course: &Course, _setting: f64) -> March {
 
 pub fn searched(gauge: &mut Gauge<'_>) -> March {
     let all = gauge.steps * PARTS;
-    let (mut at, mut above, mut was_above, mut cones) = (0, 0, false, 0);
+    let (mut at, mut above, mut was_above) = (0, 0, false);
     for step in 0..=gauge.steps {
         let gap = gauge.gap(at);
         if was_above && gap <= 0.0 {
             let part = gauge.bisected(above, at);
-            let met = gauge.met(gauge.s(part), step);
-            return March { fetches: met.fetches + cones, ..met };
+            return gauge.met(gauge.s(part), step);
         }
         if at == all {
-            let missed = March { steps: step, ..gauge.nothing_met() };
-            return March { fetches: missed.fetches + cones, ..missed };
+            return March { steps: step, ..gauge.nothing_met() };
         }
         was_above = gap > 0.0;
         above = at;
-        let within = if was_above { parts_within(gauge, at, gap) } else { None };
-        cones += u32::from(within.is_some());
+        let within = if was_above { parts_within(gauge, at, gap) } else { 0 };
         let least = (all - at).div_ceil(gauge.steps - step).max(LEAST_PARTS);
-        at = (at + within.unwrap_or(0).max(least)).min(all);
+        at = (at + within.max(least)).min(all);
     }
     gauge.nothing_met()
 }
 
 /// Parts from one that is above the surface by a gap until the ray leaves the cone: it does where its way across is the
-/// cone times its height above the apex. `None` where the course rises, of which cones say nothing.
-fn parts_within(gauge: &Gauge<'_>, at: u32, gap: f64) -> Option<u32> {
-    let (course, s) = (gauge.course, gauge.s(at));
-    let k = (s as usize).min(course.nodes.len() - 2);
-    let along = course.nodes[k + 1] - course.nodes[k];
+/// cone times its height above the apex. 0 where the course rises, of which cones say nothing.
+fn parts_within(gauge: &mut Gauge<'_>, at: u32, gap: f64) -> u32 {
+    let (course, all) = (gauge.course, gauge.steps * PARTS);
+    let ways = course.nodes.len() as u32 - 1;
+    let k = at * ways / all;
+    let along = course.nodes[k as usize + 1] - course.nodes[k as usize];
     if along.z > 0.0 {
-        return None;
+        return 0;
     }
-    let cone = cone_at(&gauge.map.level, &gauge.map.cones, course.place(s).truncate().truncate());
+    let cone = cone_at(&gauge.map.level, &gauge.map.cones, course.place(gauge.s(at)).truncate().truncate());
     let reach = cone * gap / (along.truncate().truncate().length() - cone * along.z).max(1e-30);
-    Some((reach.min((k + 1) as f64 - s) / gauge.s(1)) as u32)
+    let parts = gauge.whole(at, (reach / gauge.s(1)).min(all.into()));
+    parts.min((k + 1) * all / ways - at)
 }
 
 fn cone_at(level: &HeightLevel, cones: &[f32], place: DVec2) -> f64 {

@@ -19,10 +19,19 @@ pub struct Gauge<'a> {
     pub course: &'a Course,
     /// Even steps of the whole course.
     pub steps: u32,
-    /// Of the values that were asked for, in turn; a march decides by their signs.
-    pub gaps: Vec<f64>,
-    /// Number of the gap whose sign is changed.
+    /// What was asked for, in turn.
+    pub asked: Vec<Asked>,
+    /// Number of the question that is decided the other way.
     pub turned: Option<usize>,
+}
+
+/// What a march decides by, at the end of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// By its sign.
+    Gap { part: u32, gap: f64 },
+    /// By how many there are whole.
+    Parts { part: u32, parts: f64 },
 }
 
 /// Where even steps first lead from above the surface to on or below it.
@@ -37,13 +46,13 @@ pub struct Crossing {
 impl<'a> Gauge<'a> {
     #[must_use]
     pub fn new(map: &'a ReliefMap, course: &'a Course) -> Self {
-        Self { map, course, steps: map.steps(course), gaps: Vec::new(), turned: None }
+        Self { map, course, steps: map.steps(course), asked: Vec::new(), turned: None }
     }
 
-    /// The same, but gap number k has the other sign.
+    /// The same, but question number k is decided the other way.
     #[must_use]
     pub fn turning(self, k: usize) -> Self {
-        Self { turned: Some(k), gaps: Vec::new(), ..self }
+        Self { turned: Some(k), asked: Vec::new(), ..self }
     }
 
     /// s at the end of a part.
@@ -56,12 +65,27 @@ impl<'a> Gauge<'a> {
     pub fn gap(&mut self, part: u32) -> f64 {
         let place = self.course.place(self.s(part));
         let gap = place.z - self.map.level.height(place.truncate().truncate());
-        self.gaps.push(gap);
-        match (self.turned == Some(self.gaps.len() - 1), gap > 0.0) {
+        match (self.ask(Asked::Gap { part, gap }), gap > 0.0) {
             (false, _) => gap,
             (true, true) => -gap,
             (true, false) => (-gap).max(f64::MIN_POSITIVE),
         }
+    }
+
+    /// Whole parts; the other way, the number that is next nearest.
+    pub fn whole(&mut self, part: u32, parts: f64) -> u32 {
+        let whole = parts as u32;
+        match (self.ask(Asked::Parts { part, parts }), parts.fract() < 0.5) {
+            (false, _) => whole,
+            (true, true) => whole.saturating_sub(1),
+            (true, false) => whole + 1,
+        }
+    }
+
+    /// Whether it is decided the other way.
+    fn ask(&mut self, asked: Asked) -> bool {
+        self.asked.push(asked);
+        self.turned == Some(self.asked.len() - 1)
     }
 
     /// `None` where nothing is met.
@@ -89,15 +113,20 @@ impl<'a> Gauge<'a> {
         below
     }
 
+    /// A cone is read for each question of how many parts.
+    fn fetches(&self) -> u32 {
+        self.asked.len() as u32
+    }
+
     /// The march of what is met at s.
     #[must_use]
     pub fn met(&self, s: f64, steps: u32) -> March {
         let place = self.course.place(s).truncate().truncate();
-        March { s, place, fetches: self.gaps.len() as u32, steps, capped: false }
+        March { s, place, fetches: self.fetches(), steps, capped: false }
     }
 
     #[must_use]
     pub fn nothing_met(&self) -> March {
-        March::missed(self.gaps.len() as u32, self.steps)
+        March::missed(self.fetches(), self.steps)
     }
 }
