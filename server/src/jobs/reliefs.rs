@@ -111,3 +111,6 @@ fn direction(mesh: &Mesh, surface: &Surface, vertex: usize) -> [f32; 3] {
     let normal = blend(&|av| mesh.av_normal[av as usize]);
     (blend(&welded) / normal.length().max(MIN_BLENDED_NORMAL)).as_vec3().to_array()
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,31 +7,33 @@ const SHARE_OF_RANGE: f32 = 1.0 / 8.0;
 /// Features cover more than this share of the texels.
 const SHARE_OF_TEXELS: f64 = 1e-3;
 /// So many texels are looked at along either axis; of more, rows spread evenly.
-const LOOKED_AT: usize = 1 << 22;
+const LOOKED_AT: usize = 1 << 20;
+/// Texels; what is wider asks for no more steps than a march takes at least.
+const WIDEST: usize = 64;
 /// The fractional part of the golden ratio: multiples of it spread evenly over rows, at no period of theirs.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Texels across a map of so many columns that repeats along both axes or goes on as its border does: no feature is
 /// thinner. A feature of width w along a row or column is what the opening or the closing by a run of w + 1 texels
 /// (Matheron 1975) takes away: more than an eighth of the range of the heights, at more than a thousandth of the texels.
-/// The widths tried grow by about a quarter each time, and the least that a feature found may have is told; the longer
-/// side of the map, where none is found.
+/// The widths tried grow by about a quarter each time, and the least that a feature found may have is told; where none is
+/// found, 64, or the longer side of a smaller map.
 pub(super) fn thinnest(heights: &[f32], columns: usize, repeats: [bool; 2]) -> f32 {
     let rows = heights.len() / columns;
     let (low, high) = heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     let least = SHARE_OF_RANGE * (high - low);
     let across = Lines { heights, count: rows, length: columns, strides: [columns, 1], repeats: repeats[0] };
     let down = Lines { heights, count: columns, length: rows, strides: [1, columns], repeats: repeats[1] };
-    let longest = columns.max(rows);
+    let widest = columns.max(rows).min(WIDEST);
     let mut wider = 1;
-    while least > 0.0 && wider < longest {
+    while least > 0.0 && wider < widest {
         let width = tried(wider);
         if [&across, &down].iter().any(|lines| lines.have_features(width, least)) {
             return wider as f32;
         }
         wider = width + 1;
     }
-    longest as f32
+    widest as f32
 }
 
 /// The width that stands for those from this one on.
@@ -76,15 +78,15 @@ impl Lines<'_> {
 
     /// A line with so many texels more before it and behind it.
     fn padded(&self, line: usize, more: usize) -> Vec<f32> {
-        let n = self.length as isize;
+        let (n, more) = (self.length as isize, more as isize);
         let texel = |i: isize| if self.repeats { i.rem_euclid(n) } else { i.clamp(0, n - 1) };
-        let at = |i: isize| self.heights[line * self.strides[0] + texel(i) as usize * self.strides[1]];
-        (-(more as isize)..n + more as isize).map(at).collect()
+        let at = |i: isize| self.heights[line * self.strides[0] + i as usize * self.strides[1]];
+        (-more..0).map(texel).chain(0..n).chain((n..n + more).map(texel)).map(at).collect()
     }
 }
 
 /// The least or the greatest of each run of values.
-fn of_runs(mut values: Vec<f32>, run: usize, pick: fn(f32, f32) -> f32) -> Vec<f32> {
+fn of_runs(mut values: Vec<f32>, run: usize, pick: impl Fn(f32, f32) -> f32) -> Vec<f32> {
     let mut covered = 1;
     while covered < run {
         let step = covered.min(run - covered);
