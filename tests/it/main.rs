@@ -22,6 +22,7 @@ mod passes;
 mod pieces;
 mod raster;
 mod refine;
+mod relief;
 mod service;
 mod tessellate;
 mod tidy;
