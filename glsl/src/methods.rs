@@ -21,6 +21,7 @@ pub enum Method {
     ParallaxLimited,
     ParallaxIterative,
     Cone,
+    Exact,
 }
 
 /// How a method finds per pixel what is seen of heights.
@@ -32,6 +33,8 @@ pub struct Marcher {
     pub finds_depth: bool,
     /// What the map needs besides heights.
     pub needs: Needs,
+    /// What the method's shader is told unless a measurement says else; its twin says what it means.
+    pub setting: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,6 +113,21 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::steep::marched,
             finds_depth: true,
             needs: Needs::Heights,
+            setting: 0.0,
+        }),
+    },
+    MethodRow {
+        method: Method::Exact,
+        name: "exact",
+        summary: "Finds where the view ray meets the heights first, by greatest heights and closed form (Tevs et al. 2008).",
+        represents: &["height", "normal"],
+        cost: "per pixel 4 to 30 map lookups, as the angle and the heights ask for",
+        marcher: Some(Marcher {
+            shader: &SHADERS.exact,
+            twin: relief::exact::marched,
+            finds_depth: true,
+            needs: Needs::Bounds,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -123,6 +141,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::occlusion::marched,
             finds_depth: true,
             needs: Needs::Heights,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -136,6 +155,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::relief::marched,
             finds_depth: true,
             needs: Needs::Heights,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -149,6 +169,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::parallax::marched,
             finds_depth: false,
             needs: Needs::Heights,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -162,6 +183,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::parallax_limited::marched,
             finds_depth: false,
             needs: Needs::Heights,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -175,6 +197,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::parallax_iterative::marched,
             finds_depth: false,
             needs: Needs::Heights,
+            setting: 0.0,
         }),
     },
     MethodRow {
@@ -188,6 +211,7 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::cone::marched,
             finds_depth: true,
             needs: Needs::Cones,
+            setting: 0.0,
         }),
     },
 ];

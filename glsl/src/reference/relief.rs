@@ -5,6 +5,7 @@
 //! meets the surface where it goes from above it to on or below it; one that starts below is let out first.
 
 pub mod cone;
+pub mod exact;
 pub mod occlusion;
 pub mod parallax;
 pub mod parallax_iterative;
