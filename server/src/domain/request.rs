@@ -24,7 +24,7 @@ use super::{
 #[derive(Clone, Debug, Serialize)]
 pub enum EstimateRequest {
     Displace(DisplaceRequest),
-    Render(RenderRequest),
+    Render(Box<RenderRequest>),
 }
 
 impl EstimateRequest {

@@ -78,6 +78,7 @@ impl Bender<'_> {
         let mut bump = Bump { uv_set: request.uv_set, ..Bump::default() };
         // As printed all bend the triangle's own normal, a map that a file could hold, too.
         bump.faceted = self.method == Method::Bump && request.layers.iter().any(is_printed_height);
+        let has_normals = request.layers.iter().any(|layer| layer.source.is_normal());
         for (k, layer) in request.layers.iter().enumerate() {
             let field = format!("details[{index}].layers[{k}]");
             match &layer.source {
@@ -98,10 +99,8 @@ impl Bender<'_> {
                     let message = "holds vectors, and bump bends by heights and normal maps: choose method vector";
                     return Err(Error::invalid(field, message));
                 }
-                SourceRequest::Height { .. } if self.is_marched() => {
-                    if !request.layers.iter().any(|layer| layer.source.is_normal()) {
-                        bump.layers.push(self.heights(&self.resolver.layer(&field, layer)?)?);
-                    }
+                SourceRequest::Height { .. } if self.is_marched() && !has_normals => {
+                    bump.layers.push(self.heights(&self.resolver.layer(&field, layer)?)?);
                 }
                 _ if self.method == Method::Bump => {
                     // Only displacement prints the other sign.

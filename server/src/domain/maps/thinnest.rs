@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn bricks_are_as_thin_as_the_mortar_between_them() {
         let brick = |x: usize, y: usize| {
-            let shift = if (y / 16) % 2 == 0 { 0 } else { 16 };
+            let shift = 16 * ((y / 16) % 2);
             if y % 16 < 4 || (x + shift) % 32 < 4 { 0.0 } else { 1.0 }
         };
         assert_eq!(of(64, REPEATS, brick), 4.0);
@@ -149,7 +149,7 @@ mod tests {
         // A ramp that ends has no crest, and one texel of 4096 is none of a thousand.
         assert_eq!(of(64, [false; 2], |x, _| x as f32), 64.0);
         assert_eq!(of(64, [false; 2], |x, y| if (x, y) == (20, 20) { 1.0 } else { 0.0 }), 64.0);
-        let faint = |x: usize, y: usize| x as f32 + if x % 8 == 0 && y % 8 == 0 { 7.0 } else { 0.0 };
+        let faint = |x: usize, y: usize| x as f32 + if x.is_multiple_of(8) && y.is_multiple_of(8) { 7.0 } else { 0.0 };
         assert_eq!(of(64, [false; 2], faint), 64.0);
     }
 

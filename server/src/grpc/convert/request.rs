@@ -223,7 +223,7 @@ pub(crate) fn estimate(request: v1::EstimateRequest, config: &Config) -> Result<
     use v1::estimate_request::Request;
     match request.request {
         Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(displace("displace", request)?)),
-        Some(Request::Render(request)) => Ok(EstimateRequest::Render(render("render", request, config)?)),
+        Some(Request::Render(request)) => Ok(EstimateRequest::Render(Box::new(render("render", request, config)?))),
         None => Err(Error::invalid("request", "is required; give displace or render")),
     }
 }
