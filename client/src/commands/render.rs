@@ -60,7 +60,7 @@ pub(super) async fn perform(
         preimage: args.preimage.map(|[x, y]| Pixel { x, y }),
     };
     let connection = session.connection().await?;
-    let mut result = jobs::run(connection, &Job::Render(message), &parcel.blobs, progress).await?;
+    let mut result = jobs::run(connection, &Job::Render(Box::new(message)), &parcel.blobs, progress).await?;
     let outputs = placed(std::mem::take(&mut result.outputs), &args.output)?;
     let written = save(connection, &outputs, progress).await?;
     Ok(Outcome::new(result, &parcel.notes, written))

@@ -23,7 +23,7 @@ use super::{
 /// Work to be estimated.
 #[derive(Clone, Debug, Serialize)]
 pub enum EstimateRequest {
-    Displace(DisplaceRequest),
+    Displace(Box<DisplaceRequest>),
     Render(Box<RenderRequest>),
 }
 

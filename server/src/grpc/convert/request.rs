@@ -222,7 +222,7 @@ pub(crate) fn compare(request: &v1::CompareRequest) -> Result<CompareRequest> {
 pub(crate) fn estimate(request: v1::EstimateRequest, config: &Config) -> Result<EstimateRequest> {
     use v1::estimate_request::Request;
     match request.request {
-        Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(displace("displace", request)?)),
+        Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(Box::new(displace("displace", request)?))),
         Some(Request::Render(request)) => Ok(EstimateRequest::Render(Box::new(render("render", request, config)?))),
         None => Err(Error::invalid("request", "is required; give displace or render")),
     }
