@@ -59,7 +59,10 @@ fn any_map(random: &mut StdRng, kind: Kind) -> ReliefMap {
 /// From 0 to 1, once around in u and v.
 fn hills(u: f64, v: f64) -> f64 {
     let wave = |a: f64, b: f64, phase: f64| (TAU * (a * u + b * v) + phase).sin();
-    0.5 + 0.2 * wave(1.0, 2.0, 0.3) + 0.15 * wave(3.0, -2.0, 1.1) + 0.1 * wave(-5.0, 4.0, 2.0) + 0.05 * wave(7.0, 9.0, 3.0)
+    0.5 + 0.2 * wave(1.0, 2.0, 0.3)
+        + 0.15 * wave(3.0, -2.0, 1.1)
+        + 0.1 * wave(-5.0, 4.0, 2.0)
+        + 0.05 * wave(7.0, 9.0, 3.0)
 }
 
 fn pick<T: Copy>(random: &mut StdRng, from: &[T]) -> T {
