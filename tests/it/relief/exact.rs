@@ -16,7 +16,10 @@ use glam::{DVec2, DVec4};
 use rand::{RngExt as _, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
 
-use super::{KINDS, any_map, course, device};
+use super::{
+    device,
+    rays::{KINDS, any_map, course},
+};
 
 const ALWAYS_CELLS: f32 = 1e30;
 /// Below all heights.
