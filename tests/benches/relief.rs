@@ -23,12 +23,11 @@ const DEGREES: [f64; 3] = [30.0, 60.0, 80.0];
 fn main() {
     let files: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let device = Device::open(&DeviceOptions::default()).expect("a Vulkan device; run deploy/setup to install one");
-    let maps = maps::all(&device, &files);
+    let maps = maps::all(&files);
     write("relief_speed.csv", &speed::of(&device, &maps));
     write("relief.csv", &table::of(&device, &maps));
 }
 
 fn write(name: &str, text: &str) {
-    print!("{text}");
     std::fs::write(repository().join("tests/charts").join(name), text).expect("the chart can be written");
 }

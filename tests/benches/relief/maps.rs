@@ -3,12 +3,7 @@
 use std::path::Path;
 
 use displace_glsl::reference::relief::{HeightLevel, ReliefMap, exact::bounds};
-use displace_server::vulkan::Device;
-use displace_tests::{
-    maps::hash,
-    march::{cones, map},
-};
-use std::sync::Arc;
+use displace_tests::{maps::hash, march::map};
 
 /// Of heights, texels.
 pub const AMPLITUDE: f64 = 8.0;
@@ -25,7 +20,7 @@ const CORPUS: [(&str, &str, bool); 5] = [
 ];
 
 /// Generated ones, those of the corpus where there is one, and files that are named.
-pub fn all(device: &Arc<Device>, files: &[String]) -> Vec<(String, ReliefMap)> {
+pub fn all(files: &[String]) -> Vec<(String, ReliefMap)> {
     let mut levels = vec![("fractal".to_string(), fractal()), ("posts".to_string(), posts())];
     if let Some(root) = std::env::var_os("DISPLACE_CORPUS") {
         let read =
@@ -33,12 +28,7 @@ pub fn all(device: &Arc<Device>, files: &[String]) -> Vec<(String, ReliefMap)> {
         levels.extend(CORPUS.map(read));
     }
     levels.extend(files.iter().map(|file| (file.clone(), read(Path::new(file), false))));
-    levels.into_iter().map(|(name, level)| (name, complete(device, level))).collect()
-}
-
-/// With all that any method needs.
-fn complete(device: &Arc<Device>, level: HeightLevel) -> ReliefMap {
-    ReliefMap { bounds: bounds(&level), cones: cones(device, &level), ..map(level) }
+    levels.into_iter().map(|(name, level)| (name, ReliefMap { bounds: bounds(&level), ..map(level) })).collect()
 }
 
 fn read(path: &Path, depth: bool) -> HeightLevel {

@@ -15,7 +15,7 @@ use crate::{
     rays,
 };
 
-const SIDE: u32 = 1024;
+const SIDE: u32 = 512;
 /// The shortest of so many counts; other processes only add to it.
 const ROUNDS: usize = 5;
 /// Ways of fewer lattice lines are walked cell by cell.
@@ -28,7 +28,9 @@ pub fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
     );
     for (name, map) in maps {
         for degrees in DEGREES {
-            let _ = writeln!(table, "{name},{degrees},{}", row(device, map, &rays::side_by_side(SIDE, degrees)));
+            let line = format!("{name},{degrees},{}", row(device, map, &rays::side_by_side(SIDE, degrees)));
+            println!("{line}");
+            let _ = writeln!(table, "{line}");
         }
     }
     table

@@ -7,7 +7,7 @@ use displace_glsl::{
     reference::relief::ReliefMap,
 };
 use displace_server::vulkan::Device;
-use displace_tests::march::{Marches, place};
+use displace_tests::march::{Marches, cones, place};
 
 use crate::{DEGREES, rays};
 
@@ -21,6 +21,7 @@ const ROUNDS: usize = 3;
 pub fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
     let mut table = String::from("map,degrees,method,steps_asked,off_percent,fetches,steps,capped,ms_per_million\n");
     for (name, map) in maps {
+        let map = ReliefMap { cones: cones(device, &map.level), ..map.clone() };
         for degrees in DEGREES {
             for row in METHODS {
                 let Some(marcher) = &row.marcher else { continue };
@@ -28,7 +29,9 @@ pub fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
                 for steps in STEPS.into_iter().take(if stepping { 2 } else { 1 }) {
                     let found = measured(device, &ReliefMap { steps, ..map.clone() }, marcher, degrees);
                     let asked = if stepping { steps.to_string() } else { String::new() };
-                    let _ = writeln!(table, "{name},{degrees},{},{asked},{found}", row.name);
+                    let line = format!("{name},{degrees},{},{asked},{found}", row.name);
+                    println!("{line}");
+                    let _ = writeln!(table, "{line}");
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Surfaces that tell methods apart, and rays over them. Heights are in texels.
 
-use displace_glsl::reference::relief::{Course, HeightLevel, ReliefMap};
+use displace_glsl::reference::relief::{Course, HeightLevel, March, ReliefMap, exact};
 use displace_tests::march;
 use glam::DVec2;
 use rand::{RngExt as _, SeedableRng, rngs::StdRng};
@@ -8,7 +8,8 @@ use rand::{RngExt as _, SeedableRng, rngs::StdRng};
 /// Heights of 64 x 64 texels, in texels.
 pub(super) fn tiling(height: impl Fn(u32, u32) -> f64) -> ReliefMap {
     let texels = (0..64 * 64).map(|i| height(i % 64, i / 64) as f32).collect();
-    march::map(HeightLevel { size: [64, 64], heights: texels, repeats: [true; 2] })
+    let level = HeightLevel { size: [64, 64], heights: texels, repeats: [true; 2] };
+    ReliefMap { bounds: exact::bounds(&level), ..march::map(level) }
 }
 
 /// 0 or 4, bricks of 13 by 29 texels with joints of 3.
@@ -74,15 +75,9 @@ pub(super) fn range(map: &ReliefMap) -> [f64; 2] {
     heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min((*h).into()), high.max((*h).into())])
 }
 
-/// s where a straight course first goes below the surface, by steps of at most 1/128 texel and bisections.
-pub(super) fn first_met(map: &ReliefMap, course: &Course) -> f64 {
-    let gap = |s: f64| course.place(s).z - map.level.height(course.place(s).truncate().truncate());
-    let steps = (course.travel() * 128.0).max(64.0).ceil();
-    let mut all = (1..=steps as u32).map(|k| f64::from(k) / steps);
-    let below = all.find(|s| gap(*s) <= 0.0).expect("the course ends below");
-    let halved = |[above, below]: [f64; 2], _| {
-        let middle = above.midpoint(below);
-        if gap(middle) <= 0.0 { [above, middle] } else { [middle, below] }
-    };
-    (0..40).fold([below - 1.0 / steps, below], halved)[1]
+/// What a ray meets first.
+pub(super) fn met(map: &ReliefMap, course: &Course) -> March {
+    let met = exact::marched(map, course, 0.0);
+    assert!(met.is_hit(), "a course ends below");
+    met
 }

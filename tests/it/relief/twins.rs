@@ -269,3 +269,15 @@ fn cones_agree_with_their_twin() {
         }
     }
 }
+
+/// Milliseconds of a map of 512 x 512 texels, the first of a device with nothing learnt.
+#[test]
+#[ignore = "a measurement, run by hand"]
+fn cones_of_a_large_map() {
+    for (name, map) in maps() {
+        let heights = (0..512 * 512).map(|i| map.level.texel(IVec2::new(i % 512, i / 512))).map(|h| h as f32).collect();
+        let start = std::time::Instant::now();
+        cones_of(&HeightLevel { size: [512, 512], heights, repeats: map.level.repeats });
+        println!("{name}: {:.0} ms", start.elapsed().as_secs_f64() * 1e3);
+    }
+}
