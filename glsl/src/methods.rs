@@ -211,7 +211,8 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::exact::marched,
             finds_depth: true,
             needs: Needs::Bounds,
-            setting: 0.0,
+            // Measured: cells are faster where 6 lattice lines are crossed, nodes where 19 are.
+            setting: 12.0,
         }),
     },
 ];
