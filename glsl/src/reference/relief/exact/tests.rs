@@ -1,3 +1,5 @@
+//! The two ways to walk against each other, marches that end early, and what begins or ends on the surface.
+
 use std::f64::consts::TAU;
 
 use glam::DVec4;
