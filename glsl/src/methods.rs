@@ -33,7 +33,7 @@ pub struct Marcher {
     pub finds_depth: bool,
     /// What the map needs besides heights.
     pub needs: Needs,
-    /// What the method's shader is told unless a measurement says else; its twin says what it means.
+    /// What the shader is told unless a measurement says else; the twin says what it means.
     pub setting: f32,
 }
 
@@ -113,20 +113,6 @@ pub const METHODS: &[MethodRow] = &[
             twin: relief::steep::marched,
             finds_depth: true,
             needs: Needs::Heights,
-            setting: 0.0,
-        }),
-    },
-    MethodRow {
-        method: Method::Exact,
-        name: "exact",
-        summary: "Finds where the view ray meets the heights first, by greatest heights and closed form (Tevs et al. 2008).",
-        represents: &["height", "normal"],
-        cost: "per pixel 4 to 30 map lookups, as the angle and the heights ask for",
-        marcher: Some(Marcher {
-            shader: &SHADERS.exact,
-            twin: relief::exact::marched,
-            finds_depth: true,
-            needs: Needs::Bounds,
             setting: 0.0,
         }),
     },
@@ -212,6 +198,21 @@ pub const METHODS: &[MethodRow] = &[
             finds_depth: true,
             needs: Needs::Cones,
             setting: 0.0,
+        }),
+    },
+    MethodRow {
+        method: Method::Exact,
+        name: "exact",
+        summary: "Finds where the view ray meets the heights first, by greatest heights and closed form (Tevs et al. 2008).",
+        represents: &["height", "normal"],
+        cost: "per pixel 2 to 30 map lookups, as the angle and the heights ask for",
+        marcher: Some(Marcher {
+            shader: &SHADERS.exact,
+            twin: relief::exact::marched,
+            finds_depth: true,
+            needs: Needs::Bounds,
+            // Measured: cells are faster where 6 lattice lines are crossed, nodes where 19 are.
+            setting: 12.0,
         }),
     },
 ];

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    ComputeShader,
-    layout::relief::{COURSE_NODES, Course as DeviceCourse, March, MarchParams, Relief, ReliefLevel},
+    ComputeShader, SHADERS,
+    layout::relief::{COURSE_NODES, ConeMapParams, Course as DeviceCourse, March, MarchParams, Relief, ReliefLevel},
     reference::relief::{Course, HeightLevel, ReliefMap},
 };
 use displace_server::{
@@ -124,4 +124,24 @@ fn padded(course: &Course) -> Vec<[f32; 4]> {
     let mut nodes: Vec<[f32; 4]> = course.nodes.iter().map(|node| node.as_vec4().to_array()).collect();
     nodes.resize(COURSE_NODES, [0.0; 4]);
     nodes
+}
+
+/// Of every texel of a map, as the device makes them.
+///
+/// # Panics
+/// Where the device refuses or fails.
+#[must_use]
+pub fn cones(device: &Arc<Device>, level: &HeightLevel) -> Vec<f32> {
+    let mut texels = level.heights.clone();
+    let count = texels.len() as u32;
+    texels.resize(2 * texels.len(), 0.0);
+    let texels = Stream::of_texels(device, &texels).expect("fits");
+    let Relief { wrap, high, .. } = relief(&map(level.clone()));
+    let level = ReliefLevel { size: level.size, height_first: 0, bound_first: 0, cone_first: count };
+    let (cancel, progress) = (Cancel::default(), NoProgress);
+    let mut recorder = device.recorder(&cancel, &progress);
+    let params = ConeMapParams { count, wrap, high, level };
+    recorder.dispatch(&SHADERS.cone_map, count.into(), &params, &[("texels", &texels)]).expect("records");
+    recorder.finish().expect("runs");
+    texels.read_range(count.into()..2 * u64::from(count)).expect("reads")
 }

@@ -1,3 +1,5 @@
+//! The two ways to walk against each other, marches that end early, and what begins or ends on the surface.
+
 use std::f64::consts::TAU;
 
 use glam::DVec4;
@@ -90,4 +92,31 @@ fn the_pyramid_and_the_cells_find_the_same_bits() {
         }
     }
     assert!((60_000..110_000).contains(&hits), "{hits} of 120 000 hit");
+}
+
+/// Level, along a diagonal of 2^16 cells each way.
+#[test]
+fn a_march_of_too_many_cells_says_so_and_where_it_came_to() {
+    let level = HeightLevel { size: [2, 2], heights: vec![0.0; 4], repeats: [true; 2] };
+    let map = ReliefMap { bounds: bounds(&level), level, cones: Vec::new(), thinnest_texels: 1.0, steps: 0 };
+    let nodes = vec![DVec4::new(0.25, 0.5, 1.0, 0.0), DVec4::new(65536.25, 65536.5, 1.0, 1.0)];
+    let course = Course { nodes, cosine: 0.0 };
+    let cells = marched(&map, &course, f64::INFINITY);
+    assert!(cells.capped && cells.fetches == MOST_READS, "{cells:?}");
+    assert!((0.49..0.51).contains(&cells.s), "{cells:?}");
+}
+
+#[test]
+fn what_falls_onto_or_from_a_flat_meets_it_and_what_rises_from_it_does_not() {
+    let level = HeightLevel { size: [3, 5], heights: vec![0.3; 15], repeats: [true, false] };
+    let map = ReliefMap { bounds: bounds(&level), level, cones: Vec::new(), thinnest_texels: 1.0, steps: 0 };
+    let [low, flat, high] = [0.0, f64::from(0.3_f32), 1.0];
+    for (from, to, s) in [(high, flat, 1.0), (flat, low, 0.0), (flat, high, -1.0), (low, flat, -1.0), (low, high, -1.0)]
+    {
+        let nodes = vec![DVec4::new(0.7, 9.1, from, 0.0), DVec4::new(40.3, -7.7, to, 1.0)];
+        for setting in [0.0, f64::INFINITY] {
+            let found = marched(&map, &Course { nodes: nodes.clone(), cosine: 0.5 }, setting).s;
+            assert!((found - s).abs() < 1e-12, "{found} from {from} to {to}");
+        }
+    }
 }
