@@ -21,7 +21,7 @@ pub fn curvatures(positions: &[[f32; 3]], directions: &[[f32; 3]], triangles: &[
             *number.entry(p.map(|x| (x + 0.0).to_bits())).or_insert(next)
         })
         .collect();
-    let mut fits = vec![Fit::default(); number.len()];
+    let mut fits = vec![Fit::NOTHING; number.len()];
     for (vertex, &place) in places.iter().enumerate() {
         fits[place].position = vector(positions[vertex]);
         fits[place].upright += vector(directions[vertex]).normalize_or_zero();
@@ -39,7 +39,7 @@ pub fn curvatures(positions: &[[f32; 3]], directions: &[[f32; 3]], triangles: &[
 }
 
 /// Least squares for (a, b, c) over neighbours, each as the bend in its direction: z/r² = a cos² + b cos sin + c sin².
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Fit {
     position: DVec3,
     upright: DVec3,
@@ -48,6 +48,9 @@ struct Fit {
 }
 
 impl Fit {
+    const NOTHING: Self =
+        Self { position: DVec3::ZERO, upright: DVec3::ZERO, products: DMat3::ZERO, values: DVec3::ZERO };
+
     fn add(&mut self, neighbour: DVec3) {
         let (along, across) = self.frame();
         let offset = neighbour - self.position;
