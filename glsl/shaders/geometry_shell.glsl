@@ -1,0 +1,234 @@
+// The prism over a triangle, P(b) + h N(b)/|N(b)| for heights h from `low` to `high`, and what of a ray lies in it
+// (Porumbescu, Budge, Feng and Joy 2005). With k = h/|N(b)| the prism is trilinear: P(b) + k N(b); its sides are ruled, so
+// that a ray meets each where a quadratic is zero (Ramsey, Potter and Hansen 2004), and the place under a point follows by
+// Newton's method. Twin: reference/relief/shell.rs.
+
+// How far beyond its sides a prism goes, as a weight, so that no ray slips between neighbours.
+const float INFLATION = 1.0 / 4096.0;
+// Beyond the least and the greatest height, of their distance.
+const float HEIGHT_MARGIN = 1.0 / 64.0;
+// Newton's method has found the place after these, or there is none.
+const uint NEWTON_STEPS = 8u;
+// Of a prism's size: how near a place must come to the point it is under.
+const float NEWTON_RESIDUAL = 1e-4;
+// Directions are told from each other by this least length of what lies between them, of the longest.
+const float LEAST_LENGTH = 0.05;
+
+// In units of the triangle's longest side, from its first corner.
+struct Prism {
+    vec3 first;      // mesh-local
+    float side;      // longest, mesh-local; 0 where there is no prism
+    mat3 corners;
+    mat3 directions; // the longest is 1
+    vec2 heights;    // with a margin, so that rays begin above what is as high as any and end below what is as low
+    vec2 reach;      // least and greatest k of those heights
+    vec3 upright;    // unit normal of the triangle
+};
+
+// A place under a point, or over it where the height is negative.
+struct Under {
+    vec3 weights; // of the corners; their sum is 1
+    float k;      // along the directions as they are between the corners
+    bool found;
+};
+
+float longest_of(vec3 a, vec3 b, vec3 c) {
+    return sqrt(max(max(dot(a, a), dot(b, b)), dot(c, c)));
+}
+
+// Of mesh-local corners, directions and heights.
+Prism prism_of(mat3 corners, mat3 directions, vec2 heights) {
+    Prism prism;
+    prism.first = corners[0];
+    vec3 along = corners[1] - corners[0];
+    vec3 across = corners[2] - corners[0];
+    float side = longest_of(along, across, across - along);
+    float longest = longest_of(directions[0], directions[1], directions[2]);
+    prism.side = 0.0;
+    if (!(side > 0.0 && side < 1e18 && longest > 0.0 && longest < 1e18)) {
+        return prism;
+    }
+    prism.corners = mat3(vec3(0.0), along / side, across / side);
+    prism.directions = mat3(directions[0] / longest, directions[1] / longest, directions[2] / longest);
+    vec3 upright = cross(prism.corners[1], prism.corners[2]);
+    float area = length(upright);
+    vec3 middle = vec3(0.0);
+    for (int i = 0; i < 3; ++i) {
+        float size = length(directions[i]);
+        middle += size > 0.0 ? directions[i] / size : vec3(0.0);
+    }
+    float spread = length(middle);
+    if (!(area > 1e-12 && spread > 1e-6)) {
+        return prism;
+    }
+    prism.side = side;
+    prism.upright = upright / area;
+    float margin = max((heights.y - heights.x) / side * HEIGHT_MARGIN, INFLATION);
+    prism.heights = heights / side + vec2(-margin, margin);
+    vec3 lengths = middle / spread * prism.directions;
+    float least = max(min(min(lengths.x, lengths.y), min(lengths.z, 1.0)), LEAST_LENGTH);
+    prism.reach = vec2(
+        prism.heights.x < 0.0 ? prism.heights.x / least : prism.heights.x,
+        prism.heights.y > 0.0 ? prism.heights.y / least : prism.heights.y);
+    return prism;
+}
+
+// Weights of a corner of the inflated triangle.
+vec3 inflated_corner(int corner) {
+    vec3 weights = vec3(-INFLATION);
+    weights[corner] = 1.0 + 2.0 * INFLATION;
+    return weights;
+}
+
+bool is_inside(vec3 weights) {
+    return min(min(weights.x, weights.y), weights.z) >= -INFLATION;
+}
+
+// Mesh-local height of a place.
+float height_of_place(Prism prism, Under under) {
+    return under.k * length(prism.directions * under.weights) * prism.side;
+}
+
+// How the point moves with the second and the third weight, which the first makes up for, and with k.
+mat3 prism_jacobian(Prism prism, vec3 weights, float k) {
+    return mat3(
+        prism.corners[1] - prism.corners[0] + (prism.directions[1] - prism.directions[0]) * k,
+        prism.corners[2] - prism.corners[0] + (prism.directions[2] - prism.directions[0]) * k,
+        prism.directions * weights);
+}
+
+// The solution of m x = v.
+vec3 solved(mat3 m, vec3 v) {
+    vec3 c = cross(m[1], m[2]);
+    return vec3(dot(c, v), dot(cross(v, m[2]), m[0]), dot(cross(m[1], v), m[0])) / dot(c, m[0]);
+}
+
+// The place under a point in units of the prism, by Newton's method from `near`.
+Under place_under(Prism prism, vec3 point, Under near) {
+    Under at = near;
+    vec3 rest = point - prism.corners * at.weights - prism.directions * at.weights * at.k;
+    [[dont_unroll]] for (uint n = 0u; n < NEWTON_STEPS; ++n) {
+        vec3 change = solved(prism_jacobian(prism, at.weights, at.k), rest);
+        at.weights += vec3(-change.x - change.y, change.x, change.y);
+        at.k += change.z;
+        rest = point - prism.corners * at.weights - prism.directions * at.weights * at.k;
+    }
+    at.found = max(max(abs(rest.x), abs(rest.y)), abs(rest.z)) <= NEWTON_RESIDUAL;
+    return at;
+}
+
+// Where Newton's method starts for a point that nothing is known of: under the middle.
+Under guess_under(Prism prism, vec3 point) {
+    vec3 weights = vec3(1.0 / 3.0);
+    float rise = dot(prism.directions * weights, prism.upright);
+    float k = rise > LEAST_LENGTH ? dot(point, prism.upright) / rise : 0.0;
+    return Under(weights, clamp(k, prism.reach.x, prism.reach.y), false);
+}
+
+bool holds_place(Prism prism, vec3 point) {
+    Under under = place_under(prism, point, guess_under(prism, point));
+    float slack = prism.reach.y - prism.reach.x;
+    bool is_near = under.k >= prism.reach.x - slack && under.k <= prism.reach.y + slack;
+    return under.found && is_near && is_inside(under.weights);
+}
+
+const vec2 NO_RANGE = vec2(1.0, 0.0);
+
+// What of a ray is in a sphere around the prism, and between two planes along the triangle.
+vec2 range_around(Prism prism, vec3 origin, vec3 direction) {
+    vec3 hull[6];
+    vec3 middle = vec3(0.0);
+    for (int i = 0; i < 3; ++i) {
+        vec3 weights = inflated_corner(i);
+        vec3 corner = prism.corners * weights;
+        vec3 along = prism.directions * weights;
+        hull[i] = corner + along * prism.reach.x;
+        hull[i + 3] = corner + along * prism.reach.y;
+        middle += (hull[i] + hull[i + 3]) / 6.0;
+    }
+    float radius_squared = 0.0;
+    vec2 levels = vec2(3e38, -3e38);
+    for (int i = 0; i < 6; ++i) {
+        vec3 out_to = hull[i] - middle;
+        radius_squared = max(radius_squared, dot(out_to, out_to));
+        float level = dot(hull[i], prism.upright);
+        levels = vec2(min(levels.x, level), max(levels.y, level));
+    }
+    float squared = dot(direction, direction);
+    float nearest = dot(middle - origin, direction) / squared;
+    vec3 off = origin + direction * nearest - middle;
+    float span = sqrt(max(radius_squared - dot(off, off), 0.0) / squared);
+    vec2 range = vec2(nearest - span, nearest + span);
+    float from = dot(origin, prism.upright);
+    float rate = dot(direction, prism.upright);
+    if (rate == 0.0) {
+        return from < levels.x || from > levels.y ? NO_RANGE : range;
+    }
+    vec2 along = (levels - from) / rate;
+    return vec2(max(range.x, min(along.x, along.y)), min(range.y, max(along.x, along.y)));
+}
+
+const uint PRISM_CUTS = 8u;
+
+// Where a ray meets the surface that an inflated side lies in; no number where it does not.
+vec2 side_cuts(Prism prism, int side, vec3 origin, vec3 direction) {
+    vec3 from = inflated_corner(side);
+    vec3 change = inflated_corner((side + 1) % 3) - from;
+    vec3 a = prism.corners * from - origin;
+    vec3 da = prism.corners * change;
+    vec3 m = prism.directions * from;
+    vec3 dm = prism.directions * change;
+    vec3 across = cross(m, direction);
+    vec3 turn = cross(dm, direction);
+    float c0 = dot(a, across);
+    float c1 = dot(da, across) + dot(a, turn);
+    float c2 = dot(da, turn);
+    float discriminant = c1 * c1 - 4.0 * c0 * c2;
+    if (!(discriminant >= 0.0)) {
+        return vec2(-3e38);
+    }
+    float q = -0.5 * (c1 + (c1 < 0.0 ? -1.0 : 1.0) * sqrt(discriminant));
+    vec2 cuts = vec2(-3e38);
+    for (int root = 0; root < 2; ++root) {
+        float s = root == 0 ? q / c2 : c0 / q;
+        if (s > -0.125 && s < 1.125) {
+            vec3 n = m + dm * s;
+            vec3 normal = cross(direction, n);
+            cuts[root] = dot(cross(a + da * s, n), normal) / dot(normal, normal);
+        }
+    }
+    return cuts;
+}
+
+// From where to where a ray, in units of the prism, is between its sides; what lies between, if it goes out and comes back
+// in, counts as inside. It may begin above the greatest height or end below the least.
+vec2 prism_range(Prism prism, vec3 origin, vec3 direction) {
+    vec2 around = range_around(prism, origin, direction);
+    if (!(around.x < around.y)) {
+        return NO_RANGE;
+    }
+    float cuts[PRISM_CUTS];
+    cuts[0] = around.x;
+    uint count = 1u;
+    for (int side = 0; side < 3; ++side) {
+        vec2 met = side_cuts(prism, side, origin, direction);
+        for (int root = 0; root < 2; ++root) {
+            float t = met[root];
+            if (t > around.x && t < around.y) {
+                uint place = count++;
+                for (; place > 1u && cuts[place - 1u] > t; --place) {
+                    cuts[place] = cuts[place - 1u];
+                }
+                cuts[place] = t;
+            }
+        }
+    }
+    cuts[count] = around.y;
+    vec2 range = NO_RANGE;
+    [[dont_unroll]] for (uint n = 0u; n < count; ++n) {
+        if (holds_place(prism, origin + direction * (0.5 * (cuts[n] + cuts[n + 1u])))) {
+            range = vec2(range.x > range.y ? cuts[n] : range.x, cuts[n + 1u]);
+        }
+    }
+    return range;
+}
