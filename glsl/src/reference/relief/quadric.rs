@@ -7,7 +7,9 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3, DVec4};
+
+use crate::layout::relief::COURSE_NODES;
 
 use super::shell::{Prism, Under};
 
@@ -18,6 +20,8 @@ const LEAST_GROWTH: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct Bent {
     prism: Prism,
+    /// k of the raised triangle.
+    raise: f64,
     /// S of the corners, in units of the prism.
     bends: [DMat3; 3],
 }
@@ -36,12 +40,20 @@ pub struct Flight {
 }
 
 impl Bent {
-    /// Mesh-local; `bends` as in [`tensor`].
+    /// Mesh-local; `bends` as in [`tensor`]. The triangle is raised by `raise` at its corners: all of a mesh alike, so that it
+    /// stays closed.
     #[must_use]
-    pub fn new(corners: [DVec3; 3], directions: [DVec3; 3], bends: [[f64; 6]; 3], heights: Range<f64>) -> Option<Self> {
-        let prism = Prism::new(corners, directions, heights)?;
+    pub fn new(
+        corners: [DVec3; 3],
+        directions: [DVec3; 3],
+        bends: [[f64; 6]; 3],
+        heights: Range<f64>,
+        raise: f64,
+    ) -> Option<Self> {
+        let prism = Prism::new(corners, directions.map(DVec3::normalize_or_zero), heights)?;
+        let raise = raise / prism.side;
         let bends = bends.map(|bend| tensor(bend) * prism.side);
-        Some(Self { prism, bends })
+        Some(Self { prism, raise, bends })
     }
 
     #[must_use]
@@ -52,7 +64,7 @@ impl Bent {
     /// Where a ray, in units of the prism, strikes the raised front; none where it meets no front or goes up from there.
     #[must_use]
     pub fn strike(&self, origin: DVec3, direction: DVec3) -> Option<Flight> {
-        let raised = self.prism.raised();
+        let raised = self.prism.raised(self.raise);
         let (e1, e2) = (raised[1] - raised[0], raised[2] - raised[0]);
         let normal = e1.cross(e2);
         let facing = -normal.dot(direction);
@@ -60,7 +72,7 @@ impl Bent {
         let across = from.cross(direction);
         let t = normal.dot(from) / facing;
         let (b1, b2) = (e2.dot(across) / facing, -e1.dot(across) / facing);
-        let at = Under { weights: DVec3::new(1.0 - b1 - b2, b1, b2), k: self.prism.reach.end };
+        let at = Under { weights: DVec3::new(1.0 - b1 - b2, b1, b2), k: self.raise };
         (facing > 0.0 && at.is_inside()).then(|| self.flight(t, at, direction))
     }
 
@@ -100,6 +112,28 @@ impl Bent {
             (discriminant >= 0.0 && time > 0.0 && time.is_finite()).then_some(time)
         };
         time(self.prism.heights.start, true).or_else(|| time(self.prism.heights.end, false))
+    }
+}
+
+impl Bent {
+    /// Where a ray, mesh-local, leads over a height map, whose texels the corners are at: (x, y, height, t) at even times from
+    /// where it strikes, t no less than `least`. Empty where it does not come between the heights.
+    ///
+    /// Between nodes a course is straight, and heights are off by an 8²·8th of what the surface bends along it at most.
+    #[must_use]
+    pub fn course(&self, origin: DVec3, direction: DVec3, texels: &[DVec2; 3], least: f64) -> Vec<DVec4> {
+        let (origin, direction) = (self.prism.local(origin), direction / self.prism.side);
+        let flight = self.strike(origin, direction).filter(|flight| flight.t >= least);
+        let Some((flight, time)) = flight.and_then(|flight| Some((flight, self.time(&flight)?))) else {
+            return Vec::new();
+        };
+        let node = |n: usize| {
+            let time = time * (n as f64 / (COURSE_NODES - 1) as f64);
+            let (weights, height) = flight.under(time);
+            let at = texels[0] * weights.x + texels[1] * weights.y + texels[2] * weights.z;
+            DVec4::new(at.x, at.y, height * self.prism.side, flight.t + time)
+        };
+        (0..COURSE_NODES).map(node).collect()
     }
 }
 

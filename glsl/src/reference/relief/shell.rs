@@ -92,10 +92,10 @@ impl Prism {
         self.local_hull(inflation).map(|point| self.global(point))
     }
 
-    /// The triangle at the greatest k, in units of the prism.
+    /// The triangle at k, in units of the prism.
     #[must_use]
-    pub fn raised(&self) -> [DVec3; 3] {
-        [0, 1, 2].map(|i| self.corners[i] + self.directions[i] * self.reach.end)
+    pub fn raised(&self, k: f64) -> [DVec3; 3] {
+        [0, 1, 2].map(|i| self.corners[i] + self.directions[i] * k)
     }
 
     /// Mesh-local.
@@ -161,11 +161,9 @@ fn inflated(corner: usize, inflation: f64) -> DVec3 {
     weights
 }
 
-fn blend(corners: &[DVec3; 3], weights: DVec3) -> DVec3 {
+pub(super) fn blend(corners: &[DVec3; 3], weights: DVec3) -> DVec3 {
     corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
 }
 
-#[cfg(test)]
-mod outline;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -10,6 +10,9 @@ use crate::domain::image::{RenderMesh, Silhouettes};
 /// corners are snapped.
 const HULL_INFLATION: f64 = 1.0 / 32.0;
 
+/// Of heights, how far triangles are raised at most, so that a mesh's sharpest edge does not raise all of it.
+const MOST_RAISE: f64 = 2.0;
+
 /// Triangles with vertices of their own that stand for those of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Proxies {
@@ -30,19 +33,29 @@ pub(crate) fn proxies(
     silhouettes: Silhouettes,
 ) -> Proxies {
     let corners_of = |t: usize| mesh.triangles[t].map(|v| v as usize);
-    let prism = |t: usize| {
+    let prism = |t: usize, is_unit: bool| {
         let directions = if mesh.directions.is_empty() { &mesh.normals } else { &mesh.directions };
         let corners = corners_of(t).map(|v| vector(mesh.positions[v]));
-        Prism::new(corners, corners_of(t).map(|v| vector(directions[v])), f64::from(low)..f64::from(high))
+        let directions = corners_of(t).map(|v| vector(directions[v]));
+        let directions = if is_unit { directions.map(DVec3::normalize_or_zero) } else { directions };
+        Prism::new(corners, directions, f64::from(low)..f64::from(high))
+    };
+    let most = |most: f64, prism: Prism| {
+        most.max(prism.heights.end.max(prism.reach.end.min(MOST_RAISE * prism.heights.end)) * prism.side)
+    };
+    let raise = if silhouettes == Silhouettes::Quadric {
+        range.clone().filter_map(|t| prism(t, true)).fold(0.0, most)
+    } else {
+        0.0
     };
     let faces = faces_per_triangle(silhouettes);
     let mut proxies = Proxies { faces, ..Proxies::default() };
     for t in range {
         let lost = mesh.positions[corners_of(t)[0]];
-        match (silhouettes, prism(t)) {
-            (Silhouettes::None, _) => {}
-            (Silhouettes::Shell, prism) => proxies.add_hull(prism.as_ref(), lost),
-            (Silhouettes::Quadric, prism) => proxies.add_raised(prism.as_ref(), lost),
+        match silhouettes {
+            Silhouettes::None => {}
+            Silhouettes::Shell => proxies.add_hull(prism(t, false).as_ref(), lost),
+            Silhouettes::Quadric => proxies.add_raised(prism(t, true).as_ref(), raise, lost),
         }
     }
     proxies
@@ -70,9 +83,10 @@ impl Proxies {
         self.add(hull.map(|point| point.as_vec3().to_array()), &hull_faces(&hull));
     }
 
-    fn add_raised(&mut self, prism: Option<&Prism>, lost: [f32; 3]) {
+    fn add_raised(&mut self, prism: Option<&Prism>, raise: f64, lost: [f32; 3]) {
         let Some(prism) = prism else { return self.add([lost; 3], &[[0, 1, 2]]) };
-        self.add(prism.raised().map(|point| prism.global(point).as_vec3().to_array()), &[[0, 1, 2]]);
+        let raised = prism.raised(raise / prism.side);
+        self.add(raised.map(|point| prism.global(point).as_vec3().to_array()), &[[0, 1, 2]]);
     }
 }
 
