@@ -32,14 +32,15 @@ vec3 bent(Prism prism, Bends bends, vec3 weights, vec3 r) {
 
 // Of the parallel surface at a height: a curvature k is k / (1 + height k) there.
 float raised_bend(float bend, float along_squared, float height) {
-    float growth = 1.0 - 2.0 * height * bend / along_squared;
-    return along_squared > 0.0 ? bend / max(growth, LEAST_GROWTH) : 0.0;
+    if (along_squared <= 0.0) {
+        return 0.0;
+    }
+    return bend / max(1.0 - 2.0 * height * bend / along_squared, LEAST_GROWTH);
 }
 
-// Where a ray, in units of the prism, strikes the raised front.
-Flight strike_of(Prism prism, Bends bends, vec3 origin, vec3 direction) {
+// Where a ray, in units of the prism, strikes the front of the triangle at k: of a prism whose directions are unit.
+Flight strike_of(Prism prism, Bends bends, float k, vec3 origin, vec3 direction) {
     Flight flight;
-    float k = prism.reach.y;
     mat3 raised = prism.corners + k * prism.directions;
     vec3 e1 = raised[1] - raised[0];
     vec3 e2 = raised[2] - raised[0];
@@ -47,10 +48,12 @@ Flight strike_of(Prism prism, Bends bends, vec3 origin, vec3 direction) {
     float facing = -dot(normal, direction);
     vec3 from = origin - raised[0];
     vec3 across = cross(from, direction);
-    flight.t = dot(normal, from) / facing;
-    vec2 b = vec2(dot(e2, across), -dot(e1, across)) / facing;
+    flight.strikes = facing > 0.0;
+    float over = facing > 0.0 ? facing : 1.0;
+    flight.t = dot(normal, from) / over;
+    vec2 b = vec2(dot(e2, across), -dot(e1, across)) / over;
     flight.weights = vec3(1.0 - b.x - b.y, b);
-    flight.strikes = facing > 0.0 && is_inside(flight.weights);
+    flight.strikes = flight.strikes && is_inside(flight.weights);
     mat3 jacobian = prism_jacobian(prism, flight.weights, k);
     vec3 rates = solved(jacobian, direction);
     flight.weights_rate = vec3(-rates.x - rates.y, rates.xy);
@@ -69,7 +72,8 @@ float time_to(Flight flight, float level, bool is_first) {
     float above = flight.height - level;
     float discriminant = flight.height_rate * flight.height_rate + 4.0 * above * flight.bend;
     float q = 0.5 * (sqrt(max(discriminant, 0.0)) - flight.height_rate);
-    float time = is_first ? above / q : -q / flight.bend;
+    float over = is_first ? q : -flight.bend;
+    float time = over != 0.0 ? (is_first ? above : q) / over : 0.0;
     return discriminant >= 0.0 && time > 0.0 && time < 1e30 ? time : 0.0;
 }
 

@@ -45,7 +45,7 @@ Prism prism_of(mat3 corners, mat3 directions, vec2 heights) {
     float side = longest_of(along, across, across - along);
     float longest = longest_of(directions[0], directions[1], directions[2]);
     prism.side = 0.0;
-    if (!(side > 0.0 && side < 1e18 && longest > 0.0 && longest < 1e18)) {
+    if (side <= 0.0 || side > 1e18 || longest <= 0.0 || longest > 1e18) {
         return prism;
     }
     prism.corners = mat3(vec3(0.0), along / side, across / side);
@@ -58,7 +58,7 @@ Prism prism_of(mat3 corners, mat3 directions, vec2 heights) {
         middle += size > 0.0 ? directions[i] / size : vec3(0.0);
     }
     float spread = length(middle);
-    if (!(area > 1e-12 && spread > 1e-6)) {
+    if (area <= 1e-12 || spread <= 1e-6) {
         return prism;
     }
     prism.side = side;
@@ -184,17 +184,20 @@ vec2 side_cuts(Prism prism, int side, vec3 origin, vec3 direction) {
     float c1 = dot(da, across) + dot(a, turn);
     float c2 = dot(da, turn);
     float discriminant = c1 * c1 - 4.0 * c0 * c2;
-    if (!(discriminant >= 0.0)) {
+    if (discriminant < 0.0) {
         return vec2(-3e38);
     }
     float q = -0.5 * (c1 + (c1 < 0.0 ? -1.0 : 1.0) * sqrt(discriminant));
     vec2 cuts = vec2(-3e38);
     for (int root = 0; root < 2; ++root) {
-        float s = root == 0 ? q / c2 : c0 / q;
-        if (s > -0.125 && s < 1.125) {
-            vec3 n = m + dm * s;
-            vec3 normal = cross(direction, n);
-            cuts[root] = dot(cross(a + da * s, n), normal) / dot(normal, normal);
+        // Tested before they divide: comparisons may be compiled as if every number were one.
+        float over = root == 0 ? c2 : q;
+        float s = over != 0.0 ? (root == 0 ? q : c0) / over : 2.0;
+        vec3 n = m + dm * s;
+        vec3 normal = cross(direction, n);
+        float squared = dot(normal, normal);
+        if (s > -0.125 && s < 1.125 && squared > 0.0) {
+            cuts[root] = dot(cross(a + da * s, n), normal) / squared;
         }
     }
     return cuts;
@@ -204,7 +207,7 @@ vec2 side_cuts(Prism prism, int side, vec3 origin, vec3 direction) {
 // in, counts as inside. It may begin above the greatest height or end below the least.
 vec2 prism_range(Prism prism, vec3 origin, vec3 direction) {
     vec2 around = range_around(prism, origin, direction);
-    if (!(around.x < around.y)) {
+    if (around.x >= around.y) {
         return NO_RANGE;
     }
     float cuts[PRISM_CUTS];

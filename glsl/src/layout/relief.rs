@@ -45,6 +45,12 @@ mirrors! {
         pub count: u32,
         pub setting: f32,
     }
+
+    /// Push constants of every pass that makes courses.
+    pub struct CourseParams {
+        pub count: u32,
+        pub uv_channels: u32,
+    }
 }
 
 /// Nodes that a course has room for.

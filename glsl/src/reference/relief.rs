@@ -6,6 +6,7 @@
 
 #[cfg(test)]
 mod outline;
+pub mod pixel_ray;
 pub mod quadric;
 pub mod shell;
 pub mod steep;
