@@ -23,6 +23,7 @@ mod pieces;
 mod raster;
 mod refine;
 mod service;
+mod shells;
 mod tessellate;
 mod tidy;
 mod tolerance;
