@@ -27,13 +27,7 @@ PAGED(8, writeonly, Course, courses);
 PAGED(9, writeonly, vec4, course_nodes);
 
 #include "pixel_ray.glsl"
-
-const uint LEVEL = 0u;
-
-vec2 texel_of(Relief relief, vec2 size, uint vertex) {
-    vec3 uv = vec3(LOAD(uvs, vertex * params.uv_channels + relief.uv_channel), 1.0);
-    return vec2(dot(relief.map_u, uv), dot(relief.map_v, uv)) * size - 0.5;
-}
+#include "course_texels.glsl"
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
@@ -44,13 +38,11 @@ void element(uint i) {
     }
     mat3 corner;
     mat3 along;
-    mat3x2 texels;
-    vec2 size = vec2(LOAD(relief_levels, relief.level_first + LEVEL).size);
     for (int k = 0; k < 3; ++k) {
         corner[k] = LOAD(positions, point.vertices[k]);
         along[k] = LOAD(directions, point.vertices[k]);
-        texels[k] = texel_of(relief, size, point.vertices[k]);
     }
+    mat3x2 texels = texels_of(relief, point.vertices);
     Prism prism = prism_of(corner, along, vec2(relief.low, relief.high));
     if (prism.side <= 0.0) {
         return;

@@ -6,7 +6,7 @@ use displace_glsl::{
         raster::{Fragment, SurfacePoint},
         relief::{COURSE_NODES, Course as DeviceCourse, CourseParams, Relief, ReliefLevel},
     },
-    reference::relief::{Course, HeightLevel, ReliefMap, pixel_ray::pixel_ray, shell::Prism, steep},
+    reference::relief::{Course, HeightLevel, ReliefMap, pixel_ray::pixel_ray, quadric::Bent, shell::Prism, steep},
 };
 use displace_server::{
     domain::cancel::{Cancel, NoProgress},
@@ -27,6 +27,12 @@ struct Scene {
     map: ReliefMap,
     highest: f32,
     rows: Vec<[f32; 4]>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Geometry {
+    Shell,
+    Quadric,
 }
 
 /// What one ray and one triangle come to.
@@ -70,8 +76,23 @@ impl Scene {
         DVec2::new(f64::from(pixel % PIXELS) + 0.5, f64::from(pixel / PIXELS) + 0.5)
     }
 
+    /// Twice the bends of a sphere of the mesh's size.
+    fn bend(&self) -> f64 {
+        -0.1 / f64::from(self.highest)
+    }
+
+    fn raise(&self) -> f64 {
+        1.2 * f64::from(self.highest)
+    }
+
+    fn bent(&self, t: usize) -> Bent {
+        let bend = [[self.bend(), 0.0, 0.0, self.bend(), 0.0, self.bend()]; 3];
+        let (corners, directions) = (self.corners(t, &self.mesh.positions), self.corners(t, &self.mesh.normals));
+        Bent::new(corners, directions, bend, 0.0..f64::from(self.highest), self.raise()).expect("has an area")
+    }
+
     /// Of rays that come near a prism.
-    fn candidates(&self) -> Vec<Candidate> {
+    fn candidates(&self, geometry: Geometry) -> Vec<Candidate> {
         let prisms = self.prisms();
         let of = |pixel: u32| {
             let candidate = |(triangle, prism): (usize, &Prism)| {
@@ -82,7 +103,10 @@ impl Scene {
                 }
                 let texels = self.mesh.triangles[triangle]
                     .map(|v| DVec2::from_array(self.mesh.uvs[v as usize].map(f64::from)) * f64::from(TEXELS) - 0.5);
-                let nodes = prism.course(ray.origin, ray.direction, &texels, ray.least);
+                let nodes = match geometry {
+                    Geometry::Shell => prism.course(ray.origin, ray.direction, &texels, ray.least),
+                    Geometry::Quadric => self.bent(triangle).course(ray.origin, ray.direction, &texels, ray.least),
+                };
                 Some(Candidate { pixel, triangle, nodes })
             };
             prisms.iter().enumerate().filter_map(candidate).collect::<Vec<_>>()
@@ -91,7 +115,7 @@ impl Scene {
     }
 
     /// The device's nodes of each; none where it has no course.
-    fn courses(&self, candidates: &[Candidate]) -> Vec<Vec<DVec4>> {
+    fn courses(&self, geometry: Geometry, candidates: &[Candidate]) -> Vec<Vec<DVec4>> {
         let fragments: Vec<Fragment> = candidates
             .iter()
             .map(|c| Fragment { at_px: Self::at_px(c.pixel).as_vec2().to_array(), ..Fragment::default() })
@@ -112,22 +136,29 @@ impl Scene {
         let device = device();
         let courses = Stream::new(device, "courses", size_of::<DeviceCourse>() as u32, count).expect("fits");
         let nodes = Stream::new(device, "course_nodes", 16, count * COURSE_NODES as u64).expect("fits");
-        let bound = [
-            ("fragments", &Stream::from_slice(device, "fragments", &fragments).expect("fits")),
-            ("points", &Stream::from_slice(device, "points", &points).expect("fits")),
-            ("instance_rows", &Stream::from_slice(device, "instance_rows", &self.rows).expect("fits")),
-            ("positions", &Stream::from_slice(device, "positions", &self.mesh.positions).expect("fits")),
-            ("directions", &Stream::from_slice(device, "directions", &self.mesh.normals).expect("fits")),
-            ("uvs", &Stream::from_slice(device, "uvs", &self.mesh.uvs).expect("fits")),
-            ("reliefs", &Stream::from_slice(device, "reliefs", &[relief]).expect("fits")),
-            ("relief_levels", &Stream::from_slice(device, "relief_levels", &[level]).expect("fits")),
-            ("courses", &courses),
-            ("course_nodes", &nodes),
+        let bend = [self.bend() as f32, 0.0, 0.0, self.bend() as f32, 0.0, self.bend() as f32];
+        let bends = vec![bend; self.mesh.positions.len()];
+        let bends = bytemuck::cast_slice::<_, [f32; 3]>(&bends);
+        let shader = if geometry == Geometry::Shell { &SHADERS.course_shell } else { &SHADERS.course_quadric };
+        let mut inputs = vec![
+            stream("fragments", &fragments),
+            stream("points", &points),
+            stream("instance_rows", &self.rows),
+            stream("positions", &self.mesh.positions),
+            stream("directions", &self.mesh.normals),
+            stream("uvs", &self.mesh.uvs),
+            stream("reliefs", &[relief]),
+            stream("relief_levels", &[level]),
         ];
+        if geometry == Geometry::Quadric {
+            inputs.extend([stream("bends", bends), stream("raises", &[self.raise() as f32])]);
+        }
+        let mut bound: Vec<(&str, &Stream)> = inputs.iter().map(|(name, stream)| (*name, stream)).collect();
+        bound.extend([("courses", &courses), ("course_nodes", &nodes)]);
         let (cancel, progress) = (Cancel::default(), NoProgress);
         let mut recorder = device.recorder(&cancel, &progress);
         let params = CourseParams { count: count as u32, uv_channels: 1 };
-        recorder.dispatch(&SHADERS.course_shell, count, &params, &bound).expect("records");
+        recorder.dispatch(shader, count, &params, &bound).expect("records");
         recorder.finish().expect("runs");
         let (courses, nodes): (Vec<DeviceCourse>, Vec<[f32; 4]>) =
             (courses.read().expect("reads"), nodes.read().expect("reads"));
@@ -143,6 +174,10 @@ impl Scene {
     }
 }
 
+fn stream<T: bytemuck::Pod>(name: &'static str, values: &[T]) -> (&'static str, Stream) {
+    (name, Stream::from_slice(device(), name, values).expect("fits"))
+}
+
 /// Largest difference: of places in texels, of heights and times in sides of the triangle.
 fn apart(a: &[DVec4], b: &[DVec4], side: f64) -> f64 {
     let of = |(a, b): (&DVec4, &DVec4)| ((*a - *b) * DVec4::new(1.0, 1.0, 1.0 / side, 1.0 / side)).abs().max_element();
@@ -153,30 +188,58 @@ fn length(nodes: &[DVec4]) -> f64 {
     if nodes.is_empty() { 0.0 } else { nodes[nodes.len() - 1].w - nodes[0].w }
 }
 
-#[test]
-fn courses_through_prisms_are_those_of_the_twin_and_leave_no_crack() {
+/// Of the device and the twin.
+struct Compared {
+    courses: u32,
+    worst: f64,
+    /// The longest course that only one of them has, in sides.
+    lost: f64,
+    /// Pixels where only one of them meets the surface.
+    differ: usize,
+}
+
+fn compared(scene: &Scene, geometry: Geometry) -> Compared {
+    let (candidates, prisms) = (scene.candidates(geometry), scene.prisms());
+    let found = scene.courses(geometry, &candidates);
+    let mut seen = [vec![false; (PIXELS * PIXELS) as usize], vec![false; (PIXELS * PIXELS) as usize]];
+    let mut compared = Compared { courses: 0, worst: 0.0, lost: 0.0, differ: 0 };
+    for (candidate, nodes) in candidates.iter().zip(&found) {
+        let side = prisms[candidate.triangle].side;
+        if candidate.nodes.is_empty() != nodes.is_empty() {
+            compared.lost = compared.lost.max(length(&candidate.nodes).max(length(nodes)) / side);
+        } else if !nodes.is_empty() {
+            compared.courses += 1;
+            compared.worst = compared.worst.max(apart(&candidate.nodes, nodes, side));
+        }
+        seen[0][candidate.pixel as usize] |= scene.is_met(&candidate.nodes);
+        seen[1][candidate.pixel as usize] |= scene.is_met(nodes);
+    }
+    compared.differ = (0..seen[0].len()).filter(|&i| seen[0][i] != seen[1][i]).count();
+    compared
+}
+
+fn each_scene(geometry: Geometry, check: impl Fn(&Compared)) {
     for mesh in [meshes::icosphere(2), meshes::torus(32, 16)] {
         for scale in [1e-4, 1.0, 1e4] {
-            let scene = Scene::new(mesh.clone(), scale);
-            let (candidates, prisms) = (scene.candidates(), scene.prisms());
-            let found = scene.courses(&candidates);
-            let mut seen = [vec![false; (PIXELS * PIXELS) as usize], vec![false; (PIXELS * PIXELS) as usize]];
-            let (mut worst, mut lost, mut both): (f64, f64, u32) = (0.0, 0.0, 0);
-            for (candidate, nodes) in candidates.iter().zip(&found) {
-                let side = prisms[candidate.triangle].side;
-                if candidate.nodes.is_empty() != nodes.is_empty() {
-                    lost = lost.max(length(&candidate.nodes).max(length(nodes)) / side);
-                } else if !nodes.is_empty() {
-                    both += 1;
-                    worst = worst.max(apart(&candidate.nodes, nodes, side));
-                }
-                seen[0][candidate.pixel as usize] |= scene.is_met(&candidate.nodes);
-                seen[1][candidate.pixel as usize] |= scene.is_met(nodes);
-            }
-            let differ = (0..seen[0].len()).filter(|&i| seen[0][i] != seen[1][i]).count();
-            println!("{} x {scale}: {both} courses, {worst:.1e} apart, {lost:.1e} lost, {differ} pixels", mesh.name);
-            assert!(both > 5_000 && worst < 2e-4 && lost < 1e-3 && differ == 0);
+            let found = compared(&Scene::new(mesh.clone(), scale), geometry);
+            let Compared { courses, worst, lost, differ } = found;
+            println!("{} x {scale}: {courses} courses, {worst:.1e} apart, {lost:.1e} lost, {differ} pixels", mesh.name);
+            check(&found);
         }
     }
     assert_eq!(device().validation_messages(), [""; 0]);
+}
+
+#[test]
+fn courses_through_prisms_are_those_of_the_twin_and_leave_no_crack() {
+    each_scene(Geometry::Shell, |found| {
+        assert!(found.courses > 5_000 && found.worst < 2e-4 && found.lost < 1e-3 && found.differ == 0);
+    });
+}
+
+#[test]
+fn courses_over_quadrics_are_those_of_the_twin_and_leave_no_crack() {
+    each_scene(Geometry::Quadric, |found| {
+        assert!(found.courses > 2_000 && found.worst < 1e-3 && found.lost < 1e-3 && found.differ == 0);
+    });
 }

@@ -93,14 +93,11 @@ impl Prism {
     }
 
     /// The triangle at k, in units of the prism.
-    #[must_use]
-    pub fn raised(&self, k: f64) -> [DVec3; 3] {
+    pub(super) fn raised(&self, k: f64) -> [DVec3; 3] {
         [0, 1, 2].map(|i| self.corners[i] + self.directions[i] * k)
     }
 
-    /// Mesh-local.
-    #[must_use]
-    pub fn global(&self, point: DVec3) -> DVec3 {
+    fn global(&self, point: DVec3) -> DVec3 {
         self.first + point * self.side
     }
 

@@ -1,10 +1,14 @@
 //! What is drawn in place of a mesh whose relief changes its outline: around each triangle a hull of its prism, or the
 //! triangle raised to the greatest height. What of it is seen, a ray through it decides.
 
+use std::ops::Range;
+
 use displace_glsl::reference::relief::shell::Prism;
 use glam::DVec3;
 
-use crate::domain::image::{RenderMesh, Silhouettes};
+use crate::domain::image::RenderMesh;
+
+const HULL_FACES: usize = 8;
 
 /// How far hulls go beyond the sides of prisms, as a weight: more than a triangle of a quarter of a pixel loses when its
 /// corners are snapped.
@@ -23,76 +27,78 @@ pub(crate) struct Proxies {
     pub(crate) faces: usize,
 }
 
-/// Of triangles `range` of a mesh, which have heights from `low` to `high`, mesh-local units.
-///
-/// Hulls look inward: of each, its far side is drawn, which covers a sample once, also when the viewer is within.
-pub(crate) fn proxies(
-    mesh: &RenderMesh,
-    range: std::ops::Range<usize>,
-    [low, high]: [f32; 2],
-    silhouettes: Silhouettes,
-) -> Proxies {
-    let corners_of = |t: usize| mesh.triangles[t].map(|v| v as usize);
-    let prism = |t: usize, is_unit: bool| {
-        let directions = if mesh.directions.is_empty() { &mesh.normals } else { &mesh.directions };
-        let corners = corners_of(t).map(|v| vector(mesh.positions[v]));
-        let directions = corners_of(t).map(|v| vector(directions[v]));
-        let directions = if is_unit { directions.map(DVec3::normalize_or_zero) } else { directions };
-        Prism::new(corners, directions, f64::from(low)..f64::from(high))
-    };
-    let most = |most: f64, prism: Prism| {
-        most.max(prism.heights.end.max(prism.reach.end.min(MOST_RAISE * prism.heights.end)) * prism.side)
-    };
-    let raise = if silhouettes == Silhouettes::Quadric {
-        range.clone().filter_map(|t| prism(t, true)).fold(0.0, most)
-    } else {
-        0.0
-    };
-    let faces = faces_per_triangle(silhouettes);
-    let mut proxies = Proxies { faces, ..Proxies::default() };
-    for t in range {
-        let lost = mesh.positions[corners_of(t)[0]];
-        match silhouettes {
-            Silhouettes::None => {}
-            Silhouettes::Shell => proxies.add_hull(prism(t, false).as_ref(), lost),
-            Silhouettes::Quadric => proxies.add_raised(prism(t, true).as_ref(), raise, lost),
-        }
-    }
-    proxies
+/// Triangles of a mesh that have heights from `low` to `high`, mesh-local units.
+#[derive(Clone, Debug)]
+pub(crate) struct Raised<'a> {
+    pub(crate) mesh: &'a RenderMesh,
+    pub(crate) triangles: Range<usize>,
+    pub(crate) heights: [f32; 2],
 }
 
-/// Of proxies, for each triangle that they stand for.
-pub(crate) fn faces_per_triangle(silhouettes: Silhouettes) -> usize {
-    match silhouettes {
-        Silhouettes::None => 0,
-        Silhouettes::Shell => 8,
-        Silhouettes::Quadric => 1,
+impl Raised<'_> {
+    /// A closed hull around each prism. It looks inward: its far side is drawn, which covers a sample once, also when the
+    /// viewer is within.
+    pub(crate) fn hulls(&self) -> Proxies {
+        let mut proxies = Proxies { faces: HULL_FACES, ..Proxies::default() };
+        for t in self.triangles.clone() {
+            let corners = self.corners(t, &self.mesh.positions);
+            let prism = Prism::new(corners, self.corners(t, self.directions()), self.range());
+            let hull = prism.map_or([corners[0]; 6], |prism| prism.hull(HULL_INFLATION));
+            proxies.add(&hull, &hull_faces(&hull));
+        }
+        proxies
+    }
+
+    /// The triangles raised by `raise` along their directions: of a whole mesh by the same, so that it stays closed.
+    pub(crate) fn raised(&self, raise: f64) -> Proxies {
+        let mut proxies = Proxies { faces: 1, ..Proxies::default() };
+        for t in self.triangles.clone() {
+            let (corners, directions) = (self.corners(t, &self.mesh.positions), self.unit_directions(t));
+            let raised = [0, 1, 2].map(|k| corners[k] + directions[k] * raise);
+            let is_lost = Prism::new(corners, directions, self.range()).is_none();
+            proxies.add(&if is_lost { [corners[0]; 3] } else { raised }, &[[0, 1, 2]]);
+        }
+        proxies
+    }
+
+    /// By how much they have to be raised to be above all heights.
+    pub(crate) fn raise(&self) -> f64 {
+        let of = |t: usize| {
+            let prism = Prism::new(self.corners(t, &self.mesh.positions), self.unit_directions(t), self.range())?;
+            let most = (MOST_RAISE * prism.heights.end).max(prism.heights.end);
+            Some(prism.reach.end.min(most) * prism.side)
+        };
+        self.triangles.clone().filter_map(of).fold(0.0, f64::max)
+    }
+
+    fn range(&self) -> Range<f64> {
+        f64::from(self.heights[0])..f64::from(self.heights[1])
+    }
+
+    fn directions(&self) -> &[[f32; 3]] {
+        if self.mesh.directions.is_empty() { &self.mesh.normals } else { &self.mesh.directions }
+    }
+
+    fn unit_directions(&self, triangle: usize) -> [DVec3; 3] {
+        self.corners(triangle, self.directions()).map(DVec3::normalize_or_zero)
+    }
+
+    fn corners(&self, triangle: usize, of: &[[f32; 3]]) -> [DVec3; 3] {
+        self.mesh.triangles[triangle].map(|v| DVec3::from_array(of[v as usize].map(f64::from)))
     }
 }
 
 impl Proxies {
-    fn add(&mut self, points: impl IntoIterator<Item = [f32; 3]>, faces: &[[u32; 3]]) {
+    fn add(&mut self, points: &[DVec3], faces: &[[u32; 3]]) {
         let first = self.positions.len() as u32;
-        self.positions.extend(points);
+        self.positions.extend(points.iter().map(|point| point.as_vec3().to_array()));
         self.triangles.extend(faces.iter().map(|face| face.map(|v| first + v)));
-    }
-
-    fn add_hull(&mut self, prism: Option<&Prism>, lost: [f32; 3]) {
-        let Some(prism) = prism else { return self.add([lost; 6], &hull_faces(&[DVec3::ZERO; 6])) };
-        let hull = prism.hull(HULL_INFLATION);
-        self.add(hull.map(|point| point.as_vec3().to_array()), &hull_faces(&hull));
-    }
-
-    fn add_raised(&mut self, prism: Option<&Prism>, raise: f64, lost: [f32; 3]) {
-        let Some(prism) = prism else { return self.add([lost; 3], &[[0, 1, 2]]) };
-        let raised = prism.raised(raise / prism.side);
-        self.add(raised.map(|point| prism.global(point).as_vec3().to_array()), &[[0, 1, 2]]);
     }
 }
 
 /// Triangles around six points, three below and three above, looking inward. Each side is folded along the diagonal that
 /// lies farther out.
-fn hull_faces(hull: &[DVec3; 6]) -> [[u32; 3]; 8] {
+fn hull_faces(hull: &[DVec3; 6]) -> [[u32; 3]; HULL_FACES] {
     let side = |i: u32| {
         let [low, next, next_high, high] = [i, (i + 1) % 3, (i + 1) % 3 + 3, i + 3];
         let [a, b, c, d] = [low, next, next_high, high].map(|v| hull[v as usize]);
@@ -107,15 +113,15 @@ fn hull_faces(hull: &[DVec3; 6]) -> [[u32; 3]; 8] {
     [[0, 1, 2], [3, 5, 4], s0, s1, s2, s3, s4, s5]
 }
 
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from_array(v.map(f64::from))
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
+
+    fn vector(v: [f32; 3]) -> DVec3 {
+        DVec3::from_array(v.map(f64::from))
+    }
 
     /// A tetrahedron with normals away from its middle, and a triangle without area.
     fn mesh(scale: f32) -> RenderMesh {
@@ -131,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_hull_is_closed_and_convex_and_looks_inward() {
-        let proxies = proxies(&mesh(1.0), 0..5, [-0.2, 0.3], Silhouettes::Shell);
+        let proxies = Raised { mesh: &mesh(1.0), triangles: 0..5, heights: [-0.2, 0.3] }.hulls();
         assert_eq!((proxies.positions.len(), proxies.triangles.len()), (30, 40));
         let point = |v: u32| vector(proxies.positions[v as usize]);
         for faces in proxies.triangles[..32].chunks(8) {
@@ -154,7 +160,8 @@ mod tests {
     fn raised_triangles_hold_all_places_under_them() {
         for scale in [1e-4f32, 1.0, 1e4] {
             let (mesh, heights) = (mesh(scale), [-0.2 * scale, 0.3 * scale]);
-            let proxies = proxies(&mesh, 0..5, heights, Silhouettes::Quadric);
+            let raised = Raised { mesh: &mesh, triangles: 0..5, heights };
+            let proxies = raised.raised(raised.raise());
             assert_eq!((proxies.positions.len(), proxies.triangles.len()), (15, 5));
             for (raised, base) in proxies.triangles.iter().zip(mesh.triangles.iter()).take(4) {
                 let [a, b, c] = raised.map(|v| vector(proxies.positions[v as usize]));
