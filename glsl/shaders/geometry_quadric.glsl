@@ -1,7 +1,7 @@
 // A ray over the quadric that a bent surface is near to, from where it strikes the base as it is raised by the greatest
 // height (Oliveira and Policarpo 2005). The surface bends away from the plane through a place by r.S r, S being a symmetric
 // tensor of half the normal curvature, negative where it is convex. Twin: reference/relief/quadric.rs.
-#include "geometry_shell.glsl"
+#include "geometry_prism.glsl"
 
 // S of a triangle's corners, per mesh-local unit: rows (xx, xy, xz) and (yy, yz, zz).
 struct Bends {

@@ -103,7 +103,7 @@ fn compared(traced: &[bool], displaced: &[bool]) -> (f64, usize) {
 #[test]
 fn the_outline_of_a_shell_is_that_of_the_displaced_triangles() {
     let (triangles, map) = (sphere(3), map());
-    let prism = |c: &[DVec3; 3]| Prism::new(*c, *c, 0.0..f64::from(HIGHEST)).unwrap();
+    let prism = |c: &[DVec3; 3]| Prism::new(*c, *c, 0.0..f64::from(HIGHEST)).expect("has an area");
     let prisms: Vec<_> = triangles.iter().map(|c| (prism(c), c.map(texel))).collect();
     let traced =
         traced(triangles.len(), &map, |t, origin, direction| prisms[t].0.course(origin, direction, &prisms[t].1, 0.0));
@@ -118,7 +118,9 @@ fn the_outline_of_a_shell_is_that_of_the_displaced_triangles() {
 fn the_outline_over_quadrics_is_near_that_of_the_displaced_triangles() {
     let (triangles, map) = (sphere(3), map());
     let half = [[-0.5, 0.0, 0.0, -0.5, 0.0, -0.5]; 3];
-    let bent = |c: &[DVec3; 3]| Bent::new(*c, *c, half, 0.0..f64::from(HIGHEST), 1.05 * f64::from(HIGHEST)).unwrap();
+    let bent = |c: &[DVec3; 3]| {
+        Bent::new(*c, *c, half, 0.0..f64::from(HIGHEST), 1.05 * f64::from(HIGHEST)).expect("has an area")
+    };
     let bents: Vec<_> = triangles.iter().map(|c| (bent(c), c.map(texel))).collect();
     let traced =
         traced(triangles.len(), &map, |t, origin, direction| bents[t].0.course(origin, direction, &bents[t].1, 0.0));

@@ -123,13 +123,19 @@ mod tests {
         DVec3::from_array(v.map(f64::from))
     }
 
-    /// A tetrahedron with normals away from its middle, and a triangle without area.
+    /// An octahedron with normals away from its middle, and a triangle without area.
     fn mesh(scale: f32) -> RenderMesh {
-        let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        let corners: Vec<[f32; 3]> =
+            DVec3::AXES.iter().flat_map(|axis| [*axis, -*axis]).map(|p| p.as_vec3().to_array()).collect();
+        let face = |[x, y, z]: [u32; 3]| {
+            if (x + y + z) % 2 == 1 { [x, 4 + z, 2 + y] } else { [x, 2 + y, 4 + z] }
+        };
+        let mut triangles: Vec<_> = (0..8).map(|n| face([n & 1, n >> 1 & 1, n >> 2])).collect();
+        triangles.push([1, 1, 2]);
         RenderMesh {
-            positions: Arc::new(corners.map(|p| p.map(|x: f32| x * scale)).to_vec()),
-            normals: Arc::new(corners.to_vec()),
-            triangles: Arc::new(vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2], [1, 1, 2]]),
+            positions: Arc::new(corners.iter().map(|p| p.map(|x| x * scale)).collect()),
+            normals: Arc::new(corners),
+            triangles: Arc::new(triangles),
             material_of_triangles: vec![(0, 0)],
             ..RenderMesh::default()
         }
@@ -137,10 +143,10 @@ mod tests {
 
     #[test]
     fn a_hull_is_closed_and_convex_and_looks_inward() {
-        let proxies = Raised { mesh: &mesh(1.0), triangles: 0..5, heights: [-0.2, 0.3] }.hulls();
-        assert_eq!((proxies.positions.len(), proxies.triangles.len()), (30, 40));
+        let proxies = Raised { mesh: &mesh(1.0), triangles: 0..9, heights: [-0.2, 0.3] }.hulls();
+        assert_eq!((proxies.positions.len(), proxies.triangles.len()), (54, 72));
         let point = |v: u32| vector(proxies.positions[v as usize]);
-        for faces in proxies.triangles[..32].chunks(8) {
+        for faces in proxies.triangles[..64].chunks(8) {
             for [a, b, c] in faces {
                 let inward = (point(*b) - point(*a)).cross(point(*c) - point(*a)).normalize();
                 for v in faces.iter().flatten() {
@@ -153,17 +159,17 @@ mod tests {
                 }
             }
         }
-        assert!(proxies.positions[24..].iter().all(|p| *p == proxies.positions[24]));
+        assert!(proxies.positions[48..].iter().all(|p| *p == proxies.positions[48]));
     }
 
     #[test]
     fn raised_triangles_hold_all_places_under_them() {
         for scale in [1e-4f32, 1.0, 1e4] {
             let (mesh, heights) = (mesh(scale), [-0.2 * scale, 0.3 * scale]);
-            let raised = Raised { mesh: &mesh, triangles: 0..5, heights };
+            let raised = Raised { mesh: &mesh, triangles: 0..9, heights };
             let proxies = raised.raised(raised.raise());
-            assert_eq!((proxies.positions.len(), proxies.triangles.len()), (15, 5));
-            for (raised, base) in proxies.triangles.iter().zip(mesh.triangles.iter()).take(4) {
+            assert_eq!((proxies.positions.len(), proxies.triangles.len()), (27, 9));
+            for (raised, base) in proxies.triangles.iter().zip(mesh.triangles.iter()).take(8) {
                 let [a, b, c] = raised.map(|v| vector(proxies.positions[v as usize]));
                 let up = (b - a).cross(c - a).normalize();
                 for weights in [DVec3::X, DVec3::splat(1.0 / 3.0), DVec3::new(0.0, 0.5, 0.5)] {

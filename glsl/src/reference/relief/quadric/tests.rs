@@ -1,3 +1,5 @@
+//! Heights over quadrics beside those over the sphere and the plane they stand for.
+
 use super::{super::shell::tests::Numbers, *};
 
 /// A small triangle at the pole of a sphere of radius R whose curvature is 1/R everywhere.

@@ -1,3 +1,5 @@
+//! Places under points, hulls, ranges of rays, and what lies between neighbours.
+
 use super::*;
 
 /// Numbers of [0, 1), always the same.
