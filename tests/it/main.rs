@@ -25,6 +25,7 @@ mod refine;
 mod relief;
 mod relief_cli;
 mod service;
+mod shells;
 mod tessellate;
 mod tidy;
 mod tolerance;

@@ -53,6 +53,12 @@ mirrors! {
         pub high: f32,
         pub level: ReliefLevel,
     }
+
+    /// Push constants of every pass that makes courses.
+    pub struct CourseParams {
+        pub count: u32,
+        pub uv_channels: u32,
+    }
 }
 
 /// Nodes that a course has room for.

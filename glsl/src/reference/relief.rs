@@ -7,12 +7,17 @@
 pub mod cone;
 pub mod exact;
 pub mod occlusion;
+#[cfg(test)]
+mod outline;
 pub mod parallax;
 pub mod parallax_iterative;
 pub mod parallax_limited;
+pub mod pixel_ray;
+pub mod quadric;
 #[expect(clippy::module_inception, reason = "a twin is called as its pass")]
 pub mod relief;
 pub mod search;
+pub mod shell;
 pub mod steep;
 #[cfg(test)]
 pub(crate) mod tests;

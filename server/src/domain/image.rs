@@ -2,6 +2,7 @@
 
 mod alpha;
 mod bump;
+mod curvature;
 mod lighting;
 mod plan;
 mod relief;
@@ -20,6 +21,7 @@ use super::{
 
 pub use alpha::{AlphaMode, BLEND_CUTOFF, RenderAlpha};
 pub use bump::{BumpKind, BumpUse, RenderBump, RenderFormula};
+pub use curvature::curvatures;
 pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
 pub use relief::{HeightMap, MarchCounters, ReliefSettings, RenderRelief, SelfShadow, Silhouettes};

@@ -9,6 +9,7 @@ pub(crate) mod light;
 mod projected;
 pub(crate) mod shading;
 mod shadow_map;
+mod shells;
 mod streams;
 pub(crate) mod tables;
 mod textures;
