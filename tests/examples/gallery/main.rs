@@ -2,10 +2,13 @@
 //! names begin with a NAME, by running the command line `displace` on meshes and maps made here.
 //!
 //! `table` has a row for each picture; `scenes` and `maps` make what they are drawn of, `page` puts them together.
+//! `cargo gallery corpus [NAME ...]` draws it of the maps of `DISPLACE_CORPUS` into `target/gallery` instead.
+//!
 //! What a picture was measured by is kept in `figures.json`, so that one can be drawn again alone.
 
 mod arrows;
 mod bytes;
+mod corpus;
 mod displace;
 mod draw;
 mod maps;
@@ -14,9 +17,16 @@ mod pixels;
 mod scenes;
 mod table;
 
-use std::{collections::BTreeMap, env, error::Error, fs, path::PathBuf, process::ExitCode};
+use std::{
+    collections::BTreeMap,
+    env,
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
-use displace_tests::data::package;
+use displace_tests::data::{package, repository};
 
 /// What went wrong, in words.
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -44,10 +54,19 @@ fn main() -> ExitCode {
 }
 
 fn gallery(wanted: &[String]) -> Result<()> {
-    let folder = package().join("gallery");
+    let mut folder = package().join("gallery");
     let scratch = tempfile::tempdir()?;
     scenes::write(scratch.path())?;
     maps::write(scratch.path())?;
+    let mut wanted = wanted;
+    if let [first, rest @ ..] = wanted
+        && first == "corpus"
+    {
+        let corpus = env::var_os("DISPLACE_CORPUS").ok_or("`corpus` asks for maps that DISPLACE_CORPUS names")?;
+        corpus::write(Path::new(&corpus), scratch.path())?;
+        (folder, wanted) = (repository().join("target/gallery"), rest);
+        fs::create_dir_all(&folder)?;
+    }
     let displace = displace::Displace::new(scratch.path())?;
     let sections = table::sections();
     let record = folder.join("figures.json");

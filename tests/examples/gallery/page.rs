@@ -69,9 +69,10 @@ impl Page<'_> {
         }
         let _ = writeln!(
             self.html,
-            "<article>\n<h3>{}</h3>\n<p>{}</p>\n<div class=\"figures\">",
-            escaped(&row.title),
-            marked(&row.text)
+            "<article>\n<h3>{}</h3>\n<p>{}</p>\n<div class=\"figures{}\">",
+            marked(&row.title),
+            marked(&row.text),
+            if row.pictures.len() > 4 { " five" } else { "" }
         );
         for picture in &row.pictures {
             self.figure(picture);

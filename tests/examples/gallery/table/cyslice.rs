@@ -2,7 +2,7 @@
 
 use super::{Picture, Section, Source, figures, picture, render, row};
 
-const PATCH: &str = "--size 288x216 --eye 0,2.6,1.1 --look-at 0,0,0.05 --fov 42 --light 0,1,-0.7 --ambient 0.3 --base-color stripes.png --filter anisotropic";
+const PATCH: &str = "--size 288x216 --eye 0,2.6,1.1 --look-at 0,0,0.05 --fov 42 --light 0,-1,0 --ambient 0.9 --base-color stripes.png --filter anisotropic";
 const HEADS: &str = "python3 tests/gallery/draw_corpus.py DISPLACE CORPUS heads/...";
 
 pub(super) fn section() -> Section {

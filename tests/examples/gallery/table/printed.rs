@@ -24,7 +24,7 @@ pub(super) fn section() -> Section {
                     ),
                     render(
                         "printed/sphere-as-printed",
-                        "printed.glb --size 288x240 --orbit -15,15,4.3 --light -0.6,1,0.8 --ambient 0.12 --base-color globe.png --filter ewa",
+                        "printed.glb --size 288x240 --orbit -60,15,4.1 --light -0.9,1,0.5 --ambient 0.12 --base-color globe.png --filter ewa",
                         "As printed all points lie in the plane x = y: a flat disc, 1.4 times as wide as the sphere, with half of the globe on either side.",
                     ),
                 ],
