@@ -14,7 +14,8 @@ fn page() -> String {
 
 /// What attributes of a name hold, in the order of the page.
 fn values(page: &str, attribute: &str) -> Vec<String> {
-    let parts = page.split(&format!("{attribute}=\"")).skip(1);
+    let start = format!("{attribute}=\"");
+    let parts = page.split(&start).skip(1);
     parts.map(|part| part.split('"').next().unwrap_or_default().to_owned()).collect()
 }
 

@@ -24,8 +24,13 @@ pub(super) fn section() -> Section {
                     ),
                     render(
                         "printed/sphere-as-printed",
-                        "printed.glb --size 288x240 --orbit -60,15,4.1 --light -0.9,1,0.5 --ambient 0.12 --base-color globe.png --filter ewa",
+                        "printed.glb --size 288x240 --orbit 30,10,4.2 --light 0.6,0.6,1 --ambient 0.12 --base-color globe.png --filter ewa",
                         "As printed all points lie in the plane x = y: a flat disc, 1.4 times as wide as the sphere, with half of the globe on either side.",
+                    ),
+                    render(
+                        "printed/sphere-edge",
+                        "printed.glb --size 288x240 --orbit -41,10,4.2 --light 0.6,0.6,1 --ambient 0.3 --base-color globe.png --filter ewa",
+                        "The disc from its edge.",
                     ),
                 ],
             ),
