@@ -11,9 +11,9 @@ use crate::{
 
 /// (name, mesh, map, flags)
 const SCENES: [(&str, &str, &str, &str); 3] = [
-    ("Brick wall", "wall.glb", "bricks.png", "--scale 0.04"),
+    ("Brick wall", "sheet.glb", "bricks.png", "--scale 0.04"),
     ("Folded ball", "ball.glb", "abstract_height.png", "--scale 0.3"),
-    ("Bullet holes", "wall.glb", "holes.png", "--scale 0.06"),
+    ("Bullet holes", "sheet.glb", "holes.png", "--scale 0.06"),
 ];
 const TOLERANCES: [&str; 2] = ["1e-3", "1e-4"];
 const PACKINGS: [(&str, &str); 3] =

@@ -32,7 +32,7 @@ const RELIEFS: [Relief; 4] = [
     Relief {
         id: "brick",
         title: "Brick",
-        text: "Broad tops with steep sides, a joint half as deep as a brick is high.",
+        text: "Broad tops with steep sides, joints a third as deep as a brick is high.",
         scene: "floor.glb --base-color bricks_color.png --height bricks.png --scale 0.045 --midlevel 1 --light -1,0.8,0.35 --ambient 0.15",
         level: 5,
         views: FLOOR,
