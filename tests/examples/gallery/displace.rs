@@ -13,31 +13,30 @@ pub(crate) const NAME: &str = "displace";
 
 pub(crate) struct Displace {
     folder: PathBuf,
-    help: String,
 }
+
+/// What a command line says of a method, flag or value that this build does not have.
+const UNKNOWN: [&str; 3] = ["unexpected argument", "invalid value", "is not a method that this version has"];
 
 impl Displace {
     /// Of a folder with the files that commands name.
-    pub(crate) fn new(folder: &Path) -> Result<Self> {
-        let mut displace = Self { folder: folder.to_owned(), help: String::new() };
-        displace.help = displace.run(&words("render --help"))?;
-        Ok(displace)
+    pub(crate) fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned() }
     }
 
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The first method or flag of a command line that this build does not have.
-    pub(crate) fn lacks(&self, words: &[String]) -> Option<String> {
-        let method = words.iter().position(|word| word == "--method").and_then(|at| words.get(at + 1));
-        let told = self.help.split("--method ").nth(1).and_then(|text| text.split("\n      --").next()).unwrap_or("");
-        let has = |method: &str| told.split(|c: char| !c.is_alphanumeric() && c != '-').any(|word| word == method);
-        if let Some(method) = method.filter(|method| !has(method)) {
-            return Some(format!("--method {method}"));
+    /// Runs a command; false, and a line on standard error, where this build lacks what it asks for.
+    pub(crate) fn draws(&self, name: &str, words: &[String]) -> Result<bool> {
+        let Err(error) = self.run(words) else { return Ok(true) };
+        let told = error.to_string();
+        match told.lines().find(|line| UNKNOWN.iter().any(|unknown| line.contains(unknown))) {
+            Some(line) => eprintln!("{name} is left out: {line}"),
+            None => return Err(error),
         }
-        let is_known = |flag: &str| self.help.split_whitespace().any(|word| word.trim_end_matches(',') == flag);
-        words.iter().find(|word| word.starts_with("--") && !is_known(word)).cloned()
+        Ok(false)
     }
 
     /// What a command prints.

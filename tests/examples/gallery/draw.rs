@@ -54,16 +54,14 @@ impl<'a> Drawing<'a> {
             Source::Kept { .. } => return Ok(None),
         };
         let mut words = words(line);
-        if let Some(missing) = self.displace.lacks(&words) {
-            eprintln!("{} is left out: this build has no {missing}", picture.name);
-            return Ok(None);
-        }
         let out = self.displace.folder().join(format!("{}.png", picture.name.replace('/', "-")));
         let result = beside.map_or_else(|| out.clone(), |name| out.with_extension(format!("{name}.png")));
         if !result.exists() {
             words.extend(["--quiet", "-o"].map(str::to_owned));
             words.push(out.display().to_string());
-            self.displace.run(&words)?;
+            if !self.displace.draws(&picture.name, &words)? {
+                return Ok(None);
+            }
         }
         Ok(Some(result))
     }

@@ -67,7 +67,7 @@ fn gallery(wanted: &[String]) -> Result<()> {
         (folder, wanted) = (repository().join("target/gallery"), rest);
         fs::create_dir_all(&folder)?;
     }
-    let displace = displace::Displace::new(scratch.path())?;
+    let displace = displace::Displace::new(scratch.path());
     let sections = table::sections();
     let record = folder.join("figures.json");
     let mut figures: Figures =
