@@ -33,7 +33,7 @@ pub(crate) fn measure(displace: &Displace, figures: &mut Figures) -> Result<()> 
             let bytes = report["outputs"][0]["bytes"].as_f64().ok_or("the result has no size")?;
             figures.insert(format!("bytes {name} {tolerance} {packing}"), bytes);
             let triangles = report["triangles"].as_f64().ok_or("the result has no triangles")?;
-            figures.insert(format!("triangles {name} {tolerance}"), triangles);
+            figures.insert(format!("triangles {name} {tolerance} {packing}"), triangles);
         }
         println!("bytes of {name}");
     }
@@ -48,7 +48,7 @@ pub(crate) fn table(figures: &Figures) -> String {
         let (base, map) = (get(&format!("bytes {name} base")), get(&format!("bytes {name} map")));
         for tolerance in TOLERANCES {
             let packed = PACKINGS.map(|(packing, _)| get(&format!("bytes {name} {tolerance} {packing}")));
-            let triangles = get(&format!("triangles {name} {tolerance}"));
+            let triangles = get(&format!("triangles {name} {tolerance} plain"));
             let _ = write!(
                 html,
                 "<tr><td>{name}</td><td>{}</td><td>{tolerance}</td><td>{triangles}</td>",
