@@ -6,6 +6,7 @@ mod detail;
 mod geometry;
 mod light;
 mod look;
+mod relief;
 pub(crate) mod values;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use light::{AlphaArg, FilterArg, LayoutArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};
 pub(crate) use look::{LookArgs, ProjectionArg};
+pub(crate) use relief::{ReliefArgs, SelfShadowArg, SilhouettesArg};
 pub(crate) use values::LightArg;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
@@ -119,6 +121,22 @@ pub(crate) enum MethodArg {
     Bump,
     /// Nothing moves: normal maps bend normals, and heights beside them count for nothing
     Normal,
+    /// Heights per pixel: maps are shifted by the height where they are read; for images, as all that follow
+    Parallax,
+    /// The same, shifted by no more than the height
+    ParallaxLimited,
+    /// The same four times, with slopes
+    ParallaxIterative,
+    /// Even steps along the ray to the first below the heights
+    Steep,
+    /// The same, and the secant between the last two
+    Occlusion,
+    /// The same, and bisections between the last two
+    Relief,
+    /// Steps as long as cones over the texels allow, and bisections
+    Cone,
+    /// The first place at which the ray meets the heights, whatever they are
+    Exact,
 }
 
 impl MethodArg {
@@ -198,6 +216,8 @@ pub(crate) enum AovArg {
     Overdraw,
     /// How many triangles a pixel's samples show
     Samples,
+    /// Fetches, steps and cap hits of methods that show heights per pixel
+    Cost,
 }
 
 const RENDER_EXAMPLES: &str = "\
@@ -205,6 +225,7 @@ Examples:
   displace render model.glb -o flat.png
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --orbit 30,20 -o out.png
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --camera Main --size 1920x1080 -o out.png
+  displace render wall.glb --height bricks.png --scale 0.05 --method exact --self-shadow hard -o out.png
   displace render model.glb --aov depth,normal --eye 0,1,3 --look-at 0,0,0 --fov 40 -o layers.exr
   displace render model.glb --device reference --supersample 256 --shadows ray -o reference.exr
 
@@ -236,7 +257,9 @@ pub(crate) struct RenderArgs {
     pub(crate) supersample: Option<u32>,
     #[command(flatten)]
     pub(crate) light: LightArgs,
-    /// More images: any of depth, normal, position, uv, triangle, overdraw, samples
+    #[command(flatten)]
+    pub(crate) relief: ReliefArgs,
+    /// More images: any of depth, normal, position, uv, triangle, overdraw, samples, cost
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
     /// Draw where this pixel lies on the base colour map that it shows, as OUT.preimage.png: its square, and the ellipse that

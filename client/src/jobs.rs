@@ -25,7 +25,7 @@ const UPLOADS: u32 = 3;
 #[derive(Clone, Debug)]
 pub(crate) enum Job {
     Displace(DisplaceRequest),
-    Render(RenderRequest),
+    Render(Box<RenderRequest>),
     Measure(MeasureRequest),
     Compare(CompareRequest),
 }
@@ -48,7 +48,7 @@ impl Job {
     async fn call(&self, client: &mut DisplacementClient<Channel>) -> Result<Response<Streaming<JobUpdate>>, Status> {
         match self.clone() {
             Self::Displace(message) => client.displace(request(message, STREAM_DEADLINE)).await,
-            Self::Render(message) => client.render(request(message, STREAM_DEADLINE)).await,
+            Self::Render(message) => client.render(request(*message, STREAM_DEADLINE)).await,
             Self::Measure(message) => client.measure(request(message, STREAM_DEADLINE)).await,
             Self::Compare(message) => client.compare(request(message, STREAM_DEADLINE)).await,
         }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use displace_proto::v1::{Accuracy, EstimateResponse, Fit, Lod, NormalMap, Report, ToleranceUnit, Warning};
+use displace_proto::v1::{
+    Accuracy, EstimateResponse, Fit, Lod, MarchCounters, NormalMap, Report, ToleranceUnit, Warning,
+};
 use serde_json::{Value, json};
 
 use crate::output::{bytes, count, duration_ms};
@@ -49,6 +51,7 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     if !report.normal_maps.is_empty() {
         value["normal_maps"] = report.normal_maps.iter().map(normal_map_json).collect();
     }
+    put(&mut value, "counters", report.counters.as_ref().map(counters_json));
     value["warnings"] = warnings_json(&report.warnings);
     value["passes"] =
         report.passes.iter().map(|pass| json!({ "name": pass.name, "ms": pass.ms, "bytes": pass.bytes })).collect();
@@ -64,6 +67,23 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
 
 fn accuracy_json(accuracy: &Accuracy) -> Value {
     json!({ "bound": accuracy.bound, "measured": accuracy.measured, "unit": unit(accuracy.unit()).0 })
+}
+
+fn counters_json(counters: &MarchCounters) -> Value {
+    let MarchCounters { rays, fetches, steps, cap_hits } = counters;
+    json!({ "rays": rays, "fetches": fetches, "steps": steps, "cap_hits": cap_hits })
+}
+
+fn counters_words(counters: &MarchCounters) -> String {
+    let MarchCounters { rays, fetches, steps, cap_hits } = *counters;
+    let each = |of: u64| of as f64 / rays.max(1) as f64;
+    format!(
+        "marched {} rays: {:.1} fetches and {:.1} steps each, {} ended by their bound on steps\n",
+        count(rays),
+        each(fetches),
+        each(steps),
+        count(cap_hits)
+    )
 }
 
 fn lod_json(lod: &Lod) -> Value {
@@ -150,6 +170,7 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
     if let Some(stretch) = &report.stretch {
         let _ = writeln!(text, "stretch: 99 % at most {:.3}, largest {:.3}", stretch.p99, stretch.max);
     }
+    text += &report.counters.as_ref().map(counters_words).unwrap_or_default();
     let stored = if report.cached { ", stored before this call" } else { "" };
     let _ = writeln!(text, "{} on {}{stored}", duration_ms(report.total_ms), report.device);
     for pass in &report.passes {
@@ -266,6 +287,16 @@ mod tests {
             "{text}"
         );
         assert_eq!(json(&kept(1.0, 1.0, ToleranceUnit::Diagonal), &[])["accuracy"]["unit"], "diagonal");
+    }
+
+    #[test]
+    fn what_marching_took_is_told_for_each_ray() {
+        let counters = Some(MarchCounters { rays: 1000, fetches: 12_500, steps: 8000, cap_hits: 3 });
+        let report = Report { counters, ..Report::default() };
+        let expected = json!({ "rays": 1000, "fetches": 12500, "steps": 8000, "cap_hits": 3 });
+        assert_eq!(json(&report, &[])["counters"], expected);
+        let text = words(&report, &[]);
+        assert!(text.contains("12.5 fetches and 8.0 steps each, 3 ended"), "{text}");
     }
 
     #[test]

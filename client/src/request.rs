@@ -1,6 +1,7 @@
 //! Requests from options: hashes the files that are named and fills in the messages of the API.
 
 mod geometry;
+mod relief;
 
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,7 @@ use crate::{
 };
 
 pub(crate) use geometry::{base, geometry, seams};
+pub(crate) use relief::relief;
 
 /// Blobs to upload, gathered while a request is made.
 #[derive(Debug, Default)]
@@ -210,6 +212,14 @@ pub(crate) fn method(method: MethodArg) -> v1::Method {
         MethodArg::Vector => v1::Method::Vector,
         MethodArg::Bump => v1::Method::Bump,
         MethodArg::Normal => v1::Method::Normal,
+        MethodArg::Parallax => v1::Method::Parallax,
+        MethodArg::ParallaxLimited => v1::Method::ParallaxLimited,
+        MethodArg::ParallaxIterative => v1::Method::ParallaxIterative,
+        MethodArg::Steep => v1::Method::Steep,
+        MethodArg::Occlusion => v1::Method::Occlusion,
+        MethodArg::Relief => v1::Method::Relief,
+        MethodArg::Cone => v1::Method::Cone,
+        MethodArg::Exact => v1::Method::Exact,
     }
 }
 
@@ -282,6 +292,7 @@ pub(crate) fn lighting(look: &LookArgs, args: &LightArgs, environment: Option<v1
         environment_layout: environment_layout.into(),
         reflections: args.reflect.iter().map(reflection).collect(),
         bounces: args.bounces,
+        relief: None,
     }
 }
 
@@ -307,6 +318,7 @@ pub(crate) fn aov(aov: AovArg) -> v1::Aov {
         AovArg::Triangle => v1::Aov::Triangle,
         AovArg::Overdraw => v1::Aov::Overdraw,
         AovArg::Samples => v1::Aov::Samples,
+        AovArg::Cost => v1::Aov::Cost,
     }
 }
 

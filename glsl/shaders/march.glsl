@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "pages.glsl"
 #include "relief.glsl"
+#include "tiled.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -57,15 +58,6 @@ uint steps_of(Trip trip) {
     }
     float thinnest = max(trip.relief.thinnest_texels * exp2(-float(trip.course.level)), 0.5);
     return uint(clamp(ceil(travel_of(trip) / thinnest), float(LEAST_STEPS), float(MOST_STEPS)));
-}
-
-// The texel that stands for number i of an endless row.
-int tiled(int i, int size, uint wrap) {
-    if (wrap != 0u) { // WRAP_CLAMP
-        return clamp(i, 0, size - 1);
-    }
-    int rest = i % size;
-    return rest < 0 ? rest + size : rest;
 }
 
 float height_of(Trip trip, ivec2 texel) {

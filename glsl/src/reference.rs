@@ -14,6 +14,7 @@ pub mod clip;
 pub mod collapse;
 pub mod compact;
 pub mod composite;
+pub mod cone_map;
 pub mod displace;
 pub mod displace_expression;
 pub mod displace_vector;

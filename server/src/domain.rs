@@ -24,6 +24,7 @@ pub mod normal_map;
 pub mod plan;
 pub mod preimage;
 pub mod projection;
+pub mod relief;
 pub mod report;
 pub mod request;
 pub mod scene;

@@ -24,6 +24,7 @@ mod owner;
 mod packing;
 mod plans;
 mod registry;
+mod reliefs;
 mod render;
 mod seams;
 mod standard;

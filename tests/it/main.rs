@@ -23,6 +23,8 @@ mod passes;
 mod pieces;
 mod raster;
 mod refine;
+mod relief;
+mod relief_cli;
 mod service;
 mod tessellate;
 mod tidy;

@@ -10,6 +10,7 @@ pub mod device;
 pub mod glb;
 pub mod golden;
 pub mod maps;
+pub mod march;
 pub mod meshes;
 pub mod projective;
 pub mod server;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
-use displace_proto::v1::{ImageFormat, Output, Pixel, RenderRequest, geometry::Refinement};
+use displace_proto::v1::{ImageFormat, Lighting, Output, Pixel, RenderRequest, geometry::Refinement};
 
 use super::{
     Session, blocking,
@@ -50,14 +50,17 @@ pub(super) async fn perform(
     let message = RenderRequest {
         surface: Some(surface),
         views: vec![request::view(&args.camera)],
-        lighting: Some(request::lighting(&args.look, &args.light, environment)),
+        lighting: Some(Lighting {
+            relief: request::relief(&args.relief),
+            ..request::lighting(&args.look, &args.light, environment)
+        }),
         aovs: args.aov.iter().map(|&aov| request::aov(aov).into()).collect(),
         format: format.into(),
         samples: args.supersample.unwrap_or_default(),
         preimage: args.preimage.map(|[x, y]| Pixel { x, y }),
     };
     let connection = session.connection().await?;
-    let mut result = jobs::run(connection, &Job::Render(message), &parcel.blobs, progress).await?;
+    let mut result = jobs::run(connection, &Job::Render(Box::new(message)), &parcel.blobs, progress).await?;
     let outputs = placed(std::mem::take(&mut result.outputs), &args.output)?;
     let written = save(connection, &outputs, progress).await?;
     Ok(Outcome::new(result, &parcel.notes, written))

@@ -45,6 +45,14 @@ mirrors! {
         pub count: u32,
         pub setting: f32,
     }
+
+    /// Push constants of `cone_map`.
+    pub struct ConeMapParams {
+        pub count: u32,
+        pub wrap: u32,
+        pub high: f32,
+        pub level: ReliefLevel,
+    }
 }
 
 /// Nodes that a course has room for.

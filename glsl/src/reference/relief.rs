@@ -4,7 +4,18 @@
 //! All lengths across are texels of one level: texel (i, j) is at x = i, y = j, heights are bilinear between. A ray
 //! meets the surface where it goes from above it to on or below it; one that starts below is let out first.
 
+pub mod cone;
+pub mod exact;
+pub mod occlusion;
+pub mod parallax;
+pub mod parallax_iterative;
+pub mod parallax_limited;
+#[expect(clippy::module_inception, reason = "a twin is called as its pass")]
+pub mod relief;
+pub mod search;
 pub mod steep;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use glam::{DVec2, DVec4, IVec2};
 
@@ -108,11 +119,17 @@ impl HeightLevel {
     /// Of an endless row of texels.
     #[must_use]
     pub fn texel(&self, at: IVec2) -> f64 {
+        f64::from(self.heights[self.index(at)])
+    }
+
+    /// The number of the texel that stands for one of an endless row.
+    #[must_use]
+    pub fn index(&self, at: IVec2) -> usize {
         let tiled = |axis: usize| {
             let size = self.size[axis] as i32;
             if self.repeats[axis] { at[axis].rem_euclid(size) } else { at[axis].clamp(0, size - 1) }
         };
-        f64::from(self.heights[tiled(1) as usize * self.size[0] as usize + tiled(0) as usize])
+        tiled(1) as usize * self.size[0] as usize + tiled(0) as usize
     }
 
     /// Of a cell: (0, 0), (1, 0), (0, 1), (1, 1).

@@ -18,6 +18,9 @@ use super::{
 /// clip space one after the other. OpenEXR's own programs, which write vectors as rows, read it as it is meant.
 pub const CLIP_FROM_WORLD: &str = "displace.clip_from_world";
 
+/// The three parts of the cost of a pixel.
+const COSTS: [&str; 3] = ["fetches", "steps", "capped"];
+
 /// One file of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EncodedImage {
@@ -128,6 +131,9 @@ fn encode_png(images: &ImageSet) -> Result<Vec<EncodedImage>> {
             files.push((name, png.counts(name, counts)?));
         }
     }
+    if let Some(cost) = &images.cost {
+        files.push(("cost", png.cost(cost)?));
+    }
     Ok(files.into_iter().map(|(name, bytes)| EncodedImage { name, media_type: "image/png", bytes }).collect())
 }
 
@@ -205,6 +211,18 @@ impl Png {
         self.write(ColorType::Grayscale, BitDepth::Eight, false, &text, &counts.iter().map(grey).collect::<Vec<_>>())
     }
 
+    /// Each of red (fetches), green (steps) and blue (cap hits) as bright as its share of its most, which is in the file's
+    /// text.
+    fn cost(&self, cost: &[[f32; 3]]) -> Result<Vec<u8>> {
+        let most = [0, 1, 2].map(|k| cost.iter().map(|c| c[k]).fold(1.0, f32::max));
+        let bytes: Vec<u8> =
+            cost.iter().flat_map(|c| [0, 1, 2].map(|k| (c[k] / most[k] * 255.0 + 0.5) as u8)).collect();
+        let text: Vec<(String, String)> =
+            COSTS.iter().zip(most).map(|(name, most)| (format!("cost_{name}_most"), most.to_string())).collect();
+        let text: Vec<(&str, String)> = text.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
+        self.write(ColorType::Rgb, BitDepth::Eight, false, &text, &bytes)
+    }
+
     fn rgb8(&self, texels: impl Iterator<Item = [u8; 3]>) -> Result<Vec<u8>> {
         self.write(ColorType::Rgb, BitDepth::Eight, false, &[], &texels.flatten().collect::<Vec<_>>())
     }
@@ -253,8 +271,8 @@ fn hashed_color(id: u32) -> [u8; 3] {
     [hash, hash >> 8, hash >> 16].map(|h| 48 + (h & 0xFF) as u8 % 208)
 }
 
-/// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V (f32), triangle.id, overdraw.count,
-/// samples.count (u32).
+/// Channels R, G, B, A, Z, normal.X to normal.Z, position.X to position.Z, uv.U, uv.V, cost.fetches, cost.steps, cost.capped
+/// (f32), triangle.id, overdraw.count, samples.count (u32).
 fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Result<Vec<u8>> {
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
     let mut float = |name: &str, values: Vec<f32>| channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
@@ -274,6 +292,11 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
     if let Some(uv) = &images.uv {
         float("uv.U", uv.iter().map(|t| t[0]).collect());
         float("uv.V", uv.iter().map(|t| t[1]).collect());
+    }
+    for (k, name) in COSTS.iter().enumerate() {
+        if let Some(cost) = &images.cost {
+            float(&format!("cost.{name}"), cost.iter().map(|c| c[k]).collect());
+        }
     }
     if let Some(triangle) = &images.triangle {
         channels.push(AnyChannel::new("triangle.id", FlatSamples::U32(triangle.clone())));
@@ -313,6 +336,8 @@ mod tests {
             triangle: Some(vec![7, u32::MAX]),
             overdraw: Some(vec![8, 0]),
             samples: Some(vec![2, 0]),
+            cost: Some(vec![[30.0, 10.0, 0.0], [15.0, 0.0, 0.0]]),
+            counters: None,
             clip_from_world: Some(std::array::from_fn(|k| k as f32)),
             layers_left_out: false,
         }
@@ -338,12 +363,13 @@ mod tests {
     fn each_further_output_is_a_file_of_its_own() {
         let files = encode(&two_pixels(), ImageFormat::Png).unwrap();
         let names: Vec<_> = files.iter().map(|f| f.name).collect();
-        assert_eq!(names, ["color", "depth", "normal", "position", "uv", "triangle", "overdraw", "samples"]);
+        assert_eq!(names, ["color", "depth", "normal", "position", "uv", "triangle", "overdraw", "samples", "cost"]);
         assert_eq!(decode(&files[1].bytes).1, [0, 1, 0, 0]);
         assert_eq!(decode(&files[2].bytes).1, [128, 128, 255, 0, 0, 0]);
         assert_eq!(decode(&files[4].bytes).1[..2], [64, 191]);
         assert_eq!(decode(&files[6].bytes).1, [255, 0]);
         assert_eq!(decode(&files[7].bytes).1, [128, 0]);
+        assert_eq!(decode(&files[8].bytes).1, [255, 255, 0, 128, 0, 0]);
     }
 
     #[test]
@@ -359,7 +385,8 @@ mod tests {
         assert_eq!(*channel("Z"), FlatSamples::F32(vec![1.5, f32::INFINITY]));
         assert_eq!(*channel("B"), FlatSamples::F32(vec![1.0, 2.0]));
         assert_eq!(*channel("overdraw.count"), FlatSamples::U32(vec![8, 0]));
-        assert_eq!(channels.len(), 16);
+        assert_eq!(*channel("cost.steps"), FlatSamples::F32(vec![10.0, 0.0]));
+        assert_eq!(channels.len(), 19);
         let matrix = image.layer_data[0].attributes.other.get(&Text::from(CLIP_FROM_WORLD));
         assert_eq!(matrix, Some(&AttributeValue::Matrix4x4(std::array::from_fn(|k| k as f32))));
     }

@@ -22,7 +22,7 @@ pub use alpha::{AlphaMode, BLEND_CUTOFF, RenderAlpha};
 pub use bump::{BumpKind, BumpUse, RenderBump, RenderFormula};
 pub use lighting::{Filter, LightShape, Lighting, REFLECTIVITY, RenderLight, Shading};
 pub use plan::{ImageContents, ImagePlan};
-pub use relief::{HeightMap, ReliefSettings, RenderRelief, SelfShadow, Silhouettes};
+pub use relief::{HeightMap, MarchCounters, ReliefSettings, RenderRelief, SelfShadow, Silhouettes};
 
 /// How an image was taken, for the files that can hold it.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,9 @@ impl RenderScene {
             instance_vertices: used().map(vertices).sum(),
             instance_triangles: used().map(triangles).sum(),
             texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
+            relief_texels: distinct(self.materials.iter().filter_map(|material| Some(&material.relief.as_ref()?.map)))
+                .map(|map| map.heights.len() as u64)
+                .sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
             shadow_lights: if self.shadows == Shadows::None { 0 } else { self.lighting.lights.len() as u32 },
@@ -104,7 +107,7 @@ impl RenderScene {
     }
 }
 
-fn distinct<'a>(maps: impl Iterator<Item = &'a Arc<ColorMap>>) -> impl Iterator<Item = &'a Arc<ColorMap>> {
+fn distinct<'a, T: 'a>(maps: impl Iterator<Item = &'a Arc<T>>) -> impl Iterator<Item = &'a Arc<T>> {
     let mut maps: Vec<_> = maps.collect();
     maps.sort_by_key(|map| Arc::as_ptr(map));
     maps.dedup_by_key(|map| Arc::as_ptr(map));
@@ -224,6 +227,10 @@ pub struct ImageSet {
     pub overdraw: Option<Vec<u32>>,
     /// Triangles that the pixel's samples show, each counted once.
     pub samples: Option<Vec<u32>>,
+    /// Fetches, steps and cap hits of what the pixel's samples show of relief.
+    pub cost: Option<Vec<[f32; 3]>>,
+    /// Of all relief; none where a method shows none.
+    pub counters: Option<MarchCounters>,
     /// Of the camera, column-major.
     pub clip_from_world: Option<[f32; 16]>,
     /// In some places more blended surfaces lie one behind the other than are shown.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::measurement::Measurement;
+use super::{image::MarchCounters, measurement::Measurement};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -32,6 +32,9 @@ pub struct Report {
     /// Those made for the result.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub normal_maps: Vec<NormalMap>,
+    /// Of methods that show heights per pixel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counters: Option<MarchCounters>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,

@@ -17,14 +17,14 @@ use super::{
     Digest,
     detail::{Sampling, Wrap},
     environment::EnvironmentLayout,
-    image::{AlphaMode, Filter, RenderLight, Shading},
+    image::{AlphaMode, Filter, RenderLight, SelfShadow, Shading, Silhouettes},
 };
 
 /// Work to be estimated.
 #[derive(Clone, Debug, Serialize)]
 pub enum EstimateRequest {
-    Displace(DisplaceRequest),
-    Render(RenderRequest),
+    Displace(Box<DisplaceRequest>),
+    Render(Box<RenderRequest>),
 }
 
 impl EstimateRequest {
@@ -289,6 +289,16 @@ pub struct Look {
     pub reflections: Vec<ReflectionRequest>,
     /// Mirrors one behind the other that rays follow.
     pub bounces: u32,
+    pub relief: ReliefLook,
+}
+
+/// How methods show heights that show them per pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ReliefLook {
+    /// Of each march; 0: as many as the angle and the map ask for.
+    pub steps: u32,
+    pub self_shadow: SelfShadow,
+    pub silhouettes: Silhouettes,
 }
 
 /// A material whose surfaces mirror what is around them.
@@ -322,13 +332,15 @@ pub enum Aov {
     Overdraw,
     /// Triangles that a pixel's samples show.
     Samples,
+    /// What showing heights per pixel took.
+    Cost,
 }
 
 impl Aov {
     /// Whether it tells of the rasteriser rather than of the scene, so that rays have no answer.
     #[must_use]
     pub fn is_of_rasteriser(self) -> bool {
-        matches!(self, Self::Overdraw | Self::Samples)
+        matches!(self, Self::Overdraw | Self::Samples | Self::Cost)
     }
 }
 

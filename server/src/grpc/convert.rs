@@ -6,6 +6,7 @@ mod details;
 mod geometry;
 mod look;
 mod measurement;
+mod relief;
 mod request;
 mod tolerance;
 mod update;
@@ -61,6 +62,13 @@ fn within(field: &str, value: f32, least: f32, most: f32) -> Result<f32> {
         return Ok(value);
     }
     Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}")))
+}
+
+fn at_most(field: &str, value: u32, least: u32, most: u32) -> Result<u32> {
+    if (least..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}: take one of these")))
 }
 
 /// An enum of the API; a number that this version does not know is an error, not a default.

@@ -24,8 +24,8 @@ impl DisplacementService {
 
     fn work(&self, request: EstimateRequest) -> Box<dyn Work> {
         match request {
-            EstimateRequest::Displace(request) => self.0.recipes.displace(request),
-            EstimateRequest::Render(request) => self.0.recipes.render(request),
+            EstimateRequest::Displace(request) => self.0.recipes.displace(*request),
+            EstimateRequest::Render(request) => self.0.recipes.render(*request),
         }
     }
 

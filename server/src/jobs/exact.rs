@@ -40,9 +40,15 @@ const NEAREST: f64 = 1e-3;
 const MOST_TRIANGLES: usize = 6_000_000;
 
 pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
-    let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps);
+    let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps, &inputs.reliefs);
     let projection = request.surface.maps.projection;
-    let shown = looks::Shown { alpha: request.look.alpha, projection, moments: false };
+    let shown = looks::Shown {
+        alpha: request.look.alpha,
+        projection,
+        moments: false,
+        reliefs: &inputs.reliefs,
+        steps: request.look.relief.steps,
+    };
     let materials = looks::materials(&mut inputs.scene, &sets, &inputs.bumps, shown)?;
     let scene = &inputs.scene;
     let choice = SeamChoice::from(&request.surface.geometry);

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
-use super::looks::{self, UvSets};
+use super::{
+    looks::{self, UvSets},
+    reliefs,
+};
 use crate::domain::{
     Result,
     bump::Bumps,
@@ -14,6 +17,7 @@ use crate::domain::{
     image::{ReliefSettings, RenderInstance, RenderMesh, RenderScene},
     mesh::{Mesh, Primitive},
     projection::{Projection, ProjectionBox},
+    relief::Reliefs,
     report::Warning,
     request::RenderRequest,
     scene::{Material, Scene},
@@ -25,21 +29,24 @@ use crate::domain::{
 pub(super) fn render_scene(
     request: &RenderRequest,
     scene: &mut Scene,
-    bumps: &Bumps,
+    (bumps, shown_reliefs): (&Bumps, &Reliefs),
     surfaces: Vec<Surface>,
     environment: Option<Arc<Environment>>,
     moments: bool,
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
-    let sets = UvSets::of(&scene.materials, bumps);
+    let sets = UvSets::of(&scene.materials, bumps, shown_reliefs);
     let reflectors = looks::reflectors(&request.look, scene)?;
     let projection = request.surface.maps.projection;
-    let shown = looks::Shown { alpha: request.look.alpha, projection, moments };
+    let (alpha, steps) = (request.look.alpha, request.look.relief.steps);
+    let shown = looks::Shown { alpha, projection, moments, reliefs: shown_reliefs, steps };
+    let relief = reliefs::settings(request, shown_reliefs);
     let materials = looks::materials(scene, &sets, bumps, shown)?;
     let mut meshes = Vec::with_capacity(surfaces.len());
     for (m, surface) in scene.meshes.iter().zip(surfaces) {
         let mut warnings = Vec::new();
-        let mesh = render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, projection, &mut warnings)?;
+        let mesh =
+            render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, (projection, relief), &mut warnings)?;
         meshes.push(mesh);
         scene.warnings.extend(warnings);
     }
@@ -54,7 +61,7 @@ pub(super) fn render_scene(
         shadows: request.look.shadows,
         filter: request.look.filter,
         projection,
-        relief: ReliefSettings::default(),
+        relief,
         reflectors,
         bounces: request.look.bounces,
         uv_channels: sets.count(),
@@ -83,9 +90,10 @@ fn render_mesh(
     (materials, bumps): (&[Material], &Bumps),
     sets: &UvSets,
     mut surface: Surface,
-    projection: Projection,
+    (projection, relief): (Projection, ReliefSettings),
     warnings: &mut Vec<Warning>,
 ) -> Result<RenderMesh> {
+    let directions = reliefs::directions(mesh, &surface, relief);
     let uvs = uvs(mesh, sets, &surface);
     let colors = colors(mesh, &surface);
     // Projections have frames of their own.
@@ -108,7 +116,7 @@ fn render_mesh(
         tangents: Arc::new(tangents),
         colors: Arc::new(colors),
         triangles: Arc::new(std::mem::take(&mut surface.triangles)),
-        directions: Arc::default(),
+        directions: Arc::new(directions),
         material_of_triangles,
         projection_box: ProjectionBox::of(mesh.gv_position.iter().copied()),
     })

@@ -17,13 +17,14 @@ use crate::{
         gltf, look, maps,
         mesh::Mesh,
         projection::Projection,
+        relief::Reliefs,
         report::{Estimate, PassTime, Report},
         request::{Base, Compression, DisplaceRequest, Method},
         scene::Scene,
         surface::Surface,
         weld,
     },
-    jobs::{AssetReader, JobLimits, WorkContext, bumps, cautions, levels, normal_maps, plans::Plans},
+    jobs::{AssetReader, JobLimits, WorkContext, bumps, cautions, levels, normal_maps, plans::Plans, reliefs},
     render::JobContext,
 };
 
@@ -34,6 +35,8 @@ pub(super) struct Inputs {
     pub(super) details: Vec<Vec<Option<Arc<Detail>>>>,
     /// What bends normals.
     pub(super) bumps: Bumps,
+    /// What is shown per pixel.
+    pub(super) reliefs: Reliefs,
     /// Triangles of the base meshes, each counted once however often it is used.
     triangles_in: u64,
     passes: Vec<PassTime>,
@@ -61,6 +64,11 @@ impl Inputs {
         job.cancel.check()?;
         let bumps = timed(job.progress, "decode_bumps", &mut passes, || bumps::load(assets, &mut scene, request))?;
         job.cancel.check()?;
+        let reliefs = match request.method.marcher() {
+            Some(_) => timed(job.progress, "decode_reliefs", &mut passes, || reliefs::load(assets, &scene, request))?,
+            None => Reliefs::default(),
+        };
+        job.cancel.check()?;
         let details = timed(job.progress, "decode_maps", &mut passes, || details(assets, &scene, request))?;
         job.cancel.check()?;
         let details = fitted(&mut scene, &details)?;
@@ -76,7 +84,7 @@ impl Inputs {
             plans.keep_back(&scene, &details);
         }
         let triangles_in = scene.meshes.iter().map(|m| m.mesh.triangles.len() as u64).sum();
-        let mut inputs = Self { scene, plans, details, bumps, triangles_in, passes };
+        let mut inputs = Self { scene, plans, details, bumps, reliefs, triangles_in, passes };
         normal_maps::check(&mut inputs, &request.geometry, request.lods, limits)?;
         Ok(inputs)
     }

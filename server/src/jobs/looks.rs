@@ -6,7 +6,7 @@ use displace_glsl::layout::raster::{
     MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS,
 };
 
-use super::{AssetReader, bumps};
+use super::{AssetReader, bumps, reliefs};
 use crate::domain::{
     Digest, Error, Result,
     bump::Bumps,
@@ -18,6 +18,7 @@ use crate::domain::{
     },
     maps::{self, Encoding, SlopeMaps},
     projection::Projection,
+    relief::Reliefs,
     report::Warning,
     request::{Look, ReflectionRequest},
     scene::{Material, PunctualKind, PunctualLight, Scene, TextureUse},
@@ -30,10 +31,11 @@ const MOST_TEXELS: usize = 1 << 27;
 pub(super) struct UvSets(Vec<u32>);
 
 impl UvSets {
-    pub(super) fn of(materials: &[Material], bumps: &Bumps) -> Self {
+    pub(super) fn of(materials: &[Material], bumps: &Bumps, reliefs: &Reliefs) -> Self {
         let used = materials.iter().flat_map(|material| textures(material).map(|(_, texture, _)| texture.uv_set));
         let of_bumps = bumps.all().filter_map(|shading| Some(shading.bump.as_ref()?.uv_set));
-        let mut sets: Vec<u32> = used.chain(of_bumps).chain([0]).collect();
+        let of_reliefs = reliefs.all().map(|relief| relief.uv_set);
+        let mut sets: Vec<u32> = used.chain(of_bumps).chain(of_reliefs).chain([0]).collect();
         sets.sort_unstable();
         sets.dedup();
         Self(sets)
@@ -67,16 +69,24 @@ fn textures(material: &Material) -> impl Iterator<Item = (usize, &TextureUse, En
 
 /// How materials are shown.
 #[derive(Clone, Copy)]
-pub(super) struct Shown {
+pub(super) struct Shown<'r> {
     pub(super) alpha: AlphaMode,
     pub(super) projection: Projection,
     /// Slopes and their products take the place of normals.
     pub(super) moments: bool,
+    /// What is shown per pixel, and by how many steps.
+    pub(super) reliefs: &'r Reliefs,
+    pub(super) steps: u32,
 }
 
 /// The scene's materials, then one for primitives without.
-pub(super) fn materials(scene: &mut Scene, sets: &UvSets, bumps: &Bumps, shown: Shown) -> Result<Vec<RenderMaterial>> {
-    let Shown { alpha, projection, moments } = shown;
+pub(super) fn materials(
+    scene: &mut Scene,
+    sets: &UvSets,
+    bumps: &Bumps,
+    shown: Shown<'_>,
+) -> Result<Vec<RenderMaterial>> {
+    let Shown { alpha, projection, moments, reliefs, steps } = shown;
     // Around a sphere a map goes on at its seam, and ends at the poles.
     let wrap = projection.is_sphere().then_some([Wrap::Repeat, Wrap::Clamp]);
     let mut images = Images { decoded: HashMap::new(), slopes: HashMap::new(), texels: 0 };
@@ -100,6 +110,7 @@ pub(super) fn materials(scene: &mut Scene, sets: &UvSets, bumps: &Bumps, shown: 
         materials.push(render_material(material, maps, alpha));
     }
     bumps::give(bumps, sets, &mut materials);
+    reliefs::give((reliefs, steps), sets, scene, &mut materials)?;
     Ok(materials)
 }
 

@@ -4,7 +4,7 @@ use displace_glsl::{layout::raster::MAP_BASE_COLOR, reference::composite::MAX_LA
 
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, bumps, exact, fits, images, inputs,
-    inputs::Inputs, looks, plans, seams, strain, work::canonical,
+    inputs::Inputs, looks, plans, reliefs, seams, strain, work::canonical,
 };
 use crate::{
     domain::{
@@ -49,6 +49,7 @@ impl Work for RenderWork {
         let request = &self.request;
         refuse_rays(request, context.executor)?;
         let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
+        reliefs::check(&inputs, request, context)?;
         with_samples(planned(&inputs, context.limits, request)?, request, context)?;
         let device = context.executor.device_name().to_owned();
         let mut report = Report { method: self.method().into(), device, ..Report::default() };
@@ -111,7 +112,8 @@ impl RenderWork {
             // Rays show every normal.
             let traces = request.rays().is_some() && context.executor.traces_rays();
             let moments = request.look.moments && !traces;
-            images::render_scene(request, &mut inputs.scene, &inputs.bumps, surfaces, environment, moments)
+            let shown = (&inputs.bumps, &inputs.reliefs);
+            images::render_scene(request, &mut inputs.scene, shown, surfaces, environment, moments)
         };
         let mut scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         if request.preimage.is_some() && !scene.aovs.contains(&Aov::Triangle) {
@@ -120,6 +122,7 @@ impl RenderWork {
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
         refuse_projected_shadows(&plan, &scene)?;
         let (mut images, times) = context.executor.render(&context.job(), &plan, &scene)?;
+        report.counters = images.counters;
         inputs::add_times(&mut passes, times);
         if images.layers_left_out {
             inputs.scene.warnings.push(layers_left_out());
@@ -201,6 +204,7 @@ fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Resu
         triangles: inputs.plans.triangles(),
         instance_vertices,
         instance_triangles,
+        relief_texels: inputs.reliefs.texels(),
         aovs: request.aovs.clone(),
         ..ImageContents::default()
     };

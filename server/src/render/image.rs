@@ -164,6 +164,8 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
         overdraw: wants(Aov::Overdraw).then(|| vec![0; pixels]),
         samples: wants(Aov::Samples).then(|| vec![0; pixels]),
+        cost: None,
+        counters: None,
         clip_from_world: Some(scene.camera.clip_from_world()),
         layers_left_out: false,
     }

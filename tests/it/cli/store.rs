@@ -1,5 +1,6 @@
 //! Assets, and what the server says of itself.
 
+use displace_glsl::methods::METHODS;
 use displace_tests::server::displace;
 
 use super::{Folder, keys, remote, report};
@@ -36,7 +37,9 @@ fn an_asset_that_is_not_there_is_code_2_and_no_file() {
 fn the_server_describes_itself() {
     let methods = report(&["methods"]);
     let names: Vec<_> = methods["methods"].as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["flat", "displacement", "vector", "bump", "normal"]);
+    let known: Vec<_> = METHODS.iter().map(|row| row.name).collect();
+    assert_eq!(names, known);
+    assert_eq!(names[..6], ["flat", "displacement", "vector", "bump", "normal", "steep"]);
     assert_eq!(keys(&methods["methods"][0]), ["name", "summary", "represents", "cost"]);
     let status = report(&["status"]);
     assert_eq!(status["build_id"], displace_server::BUILD_ID);

@@ -1,36 +1,28 @@
 //! Twin of `steep`: even steps until the ray is below the surface (McGuire and McGuire 2005).
 
-use super::{Course, March, ReliefMap};
+use super::{
+    Course, March, ReliefMap,
+    search::{Gauge, PARTS},
+};
 
 /// The setting says nothing.
 #[must_use]
 pub fn marched(map: &ReliefMap, course: &Course, _setting: f64) -> March {
-    let steps = map.steps(course);
-    let stride = (course.nodes.len() - 1) as f64 / f64::from(steps);
-    let mut above = false;
-    for k in 0..=steps {
-        let s = f64::from(k) * stride;
-        let place = course.place(s);
-        let across = place.truncate().truncate();
-        let gap = place.z - map.level.height(across);
-        if above && gap <= 0.0 {
-            return March { s, place: across, fetches: k + 1, steps: k, capped: false };
-        }
-        above |= gap > 0.0;
+    searched(&mut Gauge::new(map, course))
+}
+
+pub fn searched(gauge: &mut Gauge<'_>) -> March {
+    match gauge.crossing() {
+        Some(crossing) => gauge.met(gauge.s(crossing.step * PARTS), crossing.step),
+        None => gauge.nothing_met(),
     }
-    March::missed(steps + 1, steps)
 }
 
 #[cfg(test)]
 mod tests {
     use glam::DVec4;
 
-    use super::{super::HeightLevel, *};
-
-    fn flat(height: f32) -> ReliefMap {
-        let level = HeightLevel { size: [4, 4], heights: vec![height; 16], repeats: [true; 2] };
-        ReliefMap { level, bounds: Vec::new(), cones: Vec::new(), thinnest_texels: 1.0, steps: 16 }
-    }
+    use super::{super::tests::flat, *};
 
     #[test]
     fn a_plane_is_met_at_the_first_step_below_it() {

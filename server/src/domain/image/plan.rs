@@ -34,6 +34,8 @@ pub struct ImageContents {
     pub instance_triangles: u64,
     /// Texels of the distinct maps of all kinds.
     pub texels: u64,
+    /// Of the distinct maps of heights that are shown per pixel.
+    pub relief_texels: u64,
     pub has_colors: bool,
     /// Of each vertex.
     pub uv_channels: u32,
@@ -122,7 +124,9 @@ impl ImageContents {
         // The map with its mips, and its irradiance.
         let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16))
             + self.reflection_texels * 16 * 4 / 3;
-        let maps = self.texels * 16 * 4 / 3 + environment;
+        // Levels of heights (4/3), of each its bounds (4/3), or its cones.
+        let relief = self.relief_texels * 15;
+        let maps = self.texels * 16 * 4 / 3 + relief + environment;
         self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps + self.shadow_map_texels * 16
     }
 
@@ -158,7 +162,7 @@ impl Aov {
         match self {
             Self::Depth | Self::Triangle | Self::Overdraw | Self::Samples => 4,
             Self::Uv => 8,
-            Self::Normal | Self::Position => 12,
+            Self::Normal | Self::Position | Self::Cost => 12,
         }
     }
 }

@@ -37,6 +37,17 @@ pub enum SelfShadow {
     Soft,
 }
 
+/// What marching over height maps took; of fragments, each of which is one ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MarchCounters {
+    pub rays: u64,
+    /// Bilinear values, bounds and cones that were read.
+    pub fetches: u64,
+    pub steps: u64,
+    /// Rays that a bound on steps ended.
+    pub cap_hits: u64,
+}
+
 /// The heights of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderRelief {

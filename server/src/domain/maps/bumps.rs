@@ -21,8 +21,9 @@ use crate::domain::{
 
 use displace_glsl::layout::bump::{BUMP_SLOTS, MOST_FORMULAS};
 
-/// What of the request's details, and under bump of the file's, bends normals by this method. The first normal map in
-/// tangent space that a glTF material can hold becomes its texture.
+/// What of the request's details, and under bump and per pixel of the file's, bends normals by this method. The first normal
+/// map in tangent space that a glTF material can hold becomes its texture. Of heights that are shown per pixel the slopes
+/// do, unless a normal map tells of them.
 pub fn resolve_bumps(
     scene: &Scene,
     requests: &[MaterialDetail],
@@ -38,10 +39,12 @@ pub fn resolve_bumps(
     let made: Vec<Shading> = made.collect::<Result<_>>()?;
     let of = |entry: Option<usize>| entry.map_or_else(Shading::default, |entry| made[entry].clone());
     let mut of_material: Vec<Shading> = entries.of_material.iter().map(|entry| of(*entry)).collect();
-    if method == Method::Bump {
-        for (material, shading) in of_material.iter_mut().enumerate().filter(|(_, s)| s.bump.is_none()) {
-            shading.bump = resolver.of_file(scene, material)?;
-        }
+    let is_bare = |shading: &Shading| match method {
+        Method::Bump => shading.bump.is_none(),
+        _ => method.marcher().is_some() && shading.bump.is_none() && !shading.has_normals,
+    };
+    for (material, shading) in of_material.iter_mut().enumerate().filter(|(_, shading)| is_bare(shading)) {
+        shading.bump = resolver.of_file(scene, material)?;
     }
     Ok(Bumps { of_material, of_none: of(entries.of_none) })
 }
@@ -65,11 +68,17 @@ fn is_printed_height(layer: &LayerRequest) -> bool {
 }
 
 impl Bender<'_> {
+    /// Whether heights are shown per pixel.
+    fn is_marched(&self) -> bool {
+        self.method.marcher().is_some()
+    }
+
     fn shading(&self, index: usize, request: &MaterialDetail) -> Result<Shading> {
         let mut shading = Shading::default();
         let mut bump = Bump { uv_set: request.uv_set, ..Bump::default() };
         // As printed all bend the triangle's own normal, a map that a file could hold, too.
         bump.faceted = self.method == Method::Bump && request.layers.iter().any(is_printed_height);
+        let has_normals = request.layers.iter().any(|layer| layer.source.is_normal());
         for (k, layer) in request.layers.iter().enumerate() {
             let field = format!("details[{index}].layers[{k}]");
             match &layer.source {
@@ -89,6 +98,9 @@ impl Bender<'_> {
                 {
                     let message = "holds vectors, and bump bends by heights and normal maps: choose method vector";
                     return Err(Error::invalid(field, message));
+                }
+                SourceRequest::Height { .. } if self.is_marched() && !has_normals => {
+                    bump.layers.push(self.heights(&self.resolver.layer(&field, layer)?)?);
                 }
                 _ if self.method == Method::Bump => {
                     // Only displacement prints the other sign.
@@ -199,12 +211,12 @@ impl Normals<'_> {
     }
 }
 
-fn axes_of([width, height]: [u32; 2], wrap: [Wrap; 2], sampling: Sampling) -> [Axis; 2] {
+pub(super) fn axes_of([width, height]: [u32; 2], wrap: [Wrap; 2], sampling: Sampling) -> [Axis; 2] {
     [Axis::new(width as usize, wrap[0], sampling), Axis::new(height as usize, wrap[1], sampling)]
 }
 
 /// The rows of a map to (u, v, 1) with the axes behind it.
-fn behind([u, v]: [[f32; 3]; 2], across: &Axis, down: &Axis) -> [[f32; 3]; 2] {
+pub(super) fn behind([u, v]: [[f32; 3]; 2], across: &Axis, down: &Axis) -> [[f32; 3]; 2] {
     [across.row(u), down.row(v)]
 }
 

@@ -2,7 +2,7 @@
 
 use displace_proto::v1;
 
-use super::{digest, join, known, vector, within};
+use super::{at_most, digest, join, known, relief, vector, within};
 use crate::domain::{
     Error, Result,
     environment::EnvironmentLayout,
@@ -34,6 +34,7 @@ pub(super) fn parse(path: &str, lighting: Option<v1::Lighting>) -> Result<Look> 
         environment_layout: layout,
         reflections,
         bounces,
+        relief: relief::parse(&join(path, "relief"), lighting.relief)?,
         shadows: match known::<v1::Shadows>(&join(path, "shadows"), lighting.shadows)? {
             v1::Shadows::Unspecified | v1::Shadows::None => Shadows::None,
             v1::Shadows::Ray => Shadows::Ray,
@@ -131,13 +132,6 @@ fn reflections(path: &str, reflections: Vec<v1::Reflection>) -> Result<Vec<Refle
         Ok(ReflectionRequest { material: one.material.clone(), size_px, in_room: one.r#box })
     };
     reflections.iter().enumerate().map(parse).collect()
-}
-
-fn at_most(field: &str, value: u32, least: u32, most: u32) -> Result<u32> {
-    if (least..=most).contains(&value) {
-        return Ok(value);
-    }
-    Err(Error::invalid(field, format!("{value} is out of range; allowed are {least} to {most}: take one of these")))
 }
 
 fn lights(path: &str, lights: Vec<v1::Light>) -> Result<Vec<RenderLight>> {

@@ -2,10 +2,11 @@
 
 use std::collections::HashSet;
 
+use displace_glsl::methods::METHODS;
 use displace_proto::v1;
 
 use super::{
-    details, digest, geometry, join, known, look,
+    details, digest, geometry, join, known, look, relief,
     view::{self, View},
 };
 use crate::{
@@ -52,6 +53,7 @@ pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<Displ
         let message = "the file that Displace writes has its maps at texture coordinates alone: leave the projection for Render, or give the mesh coordinates";
         return Err(Error::unsupported(join(path, "look.projection"), message));
     }
+    relief::refuse_in_files(path, &parsed)?;
     Ok(parsed)
 }
 
@@ -117,6 +119,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     let View { camera, width, height } = view;
     let preimage = preimage(&join(path, "preimage"), request.preimage, [width, height])?;
     let mut request = RenderRequest { surface, camera, width, height, look, aovs, format, preimage, samples };
+    relief::check(path, &request)?;
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
@@ -219,19 +222,23 @@ pub(crate) fn compare(request: &v1::CompareRequest) -> Result<CompareRequest> {
 pub(crate) fn estimate(request: v1::EstimateRequest, config: &Config) -> Result<EstimateRequest> {
     use v1::estimate_request::Request;
     match request.request {
-        Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(displace("displace", request)?)),
-        Some(Request::Render(request)) => Ok(EstimateRequest::Render(render("render", request, config)?)),
+        Some(Request::Displace(request)) => Ok(EstimateRequest::Displace(Box::new(displace("displace", request)?))),
+        Some(Request::Render(request)) => Ok(EstimateRequest::Render(Box::new(render("render", request, config)?))),
         None => Err(Error::invalid("request", "is required; give displace or render")),
     }
 }
 
+/// The row of the table that has the value's name.
 fn method(field: &str, method: i32) -> Result<Method> {
-    Ok(match known(field, method)? {
-        v1::Method::Unspecified | v1::Method::Displacement => Method::Displacement,
-        v1::Method::Flat => Method::Flat,
-        v1::Method::Vector => Method::Vector,
-        v1::Method::Bump => Method::Bump,
-        v1::Method::Normal => Method::Normal,
+    let value: v1::Method = known(field, method)?;
+    if value == v1::Method::Unspecified {
+        return Ok(Method::Displacement);
+    }
+    let name = value.as_str_name().trim_start_matches("METHOD_").to_ascii_lowercase().replace('_', "-");
+    let row = METHODS.iter().find(|row| row.name == name);
+    row.map(|row| row.method).ok_or_else(|| {
+        let known = METHODS.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
+        Error::unsupported(field, format!("{name} is not a method that this version has; it has {known}"))
     })
 }
 
@@ -248,6 +255,7 @@ fn aovs(path: &str, aovs: &[i32]) -> Result<Vec<Aov>> {
             v1::Aov::Triangle => Aov::Triangle,
             v1::Aov::Overdraw => Aov::Overdraw,
             v1::Aov::Samples => Aov::Samples,
+            v1::Aov::Cost => Aov::Cost,
         };
         if seen.insert(aov) { Ok(aov) } else { Err(Error::invalid(field, format!("{aov:?} is named twice"))) }
     };

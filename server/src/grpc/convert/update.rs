@@ -4,7 +4,10 @@ use displace_proto::v1::{self, job_update::Update};
 
 use super::{measurement::to_measurement, to_digest};
 use crate::{
-    domain::report::{Comparison, Estimate, Fitted, Lod, NormalMap, PassTime, Report, ToleranceUnit, Warning},
+    domain::{
+        image::MarchCounters,
+        report::{Comparison, Estimate, Fitted, Lod, NormalMap, PassTime, Report, ToleranceUnit, Warning},
+    },
     grpc::status::rpc_status,
     jobs::{Finished, JobEvent},
 };
@@ -68,6 +71,7 @@ fn to_report(report: &Report) -> v1::Report {
         fit: report.fitted.as_ref().map(to_fit),
         lods: report.lods.iter().map(to_lod).collect(),
         normal_maps: report.normal_maps.iter().map(to_normal_map).collect(),
+        counters: report.counters.map(to_counters),
     }
 }
 
@@ -87,6 +91,11 @@ fn to_fit(fitted: &Fitted) -> v1::Fit {
         }),
         rounds: fitted.rounds,
     }
+}
+
+fn to_counters(counters: MarchCounters) -> v1::MarchCounters {
+    let MarchCounters { rays, fetches, steps, cap_hits } = counters;
+    v1::MarchCounters { rays, fetches, steps, cap_hits }
 }
 
 fn to_lod(lod: &Lod) -> v1::Lod {

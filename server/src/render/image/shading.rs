@@ -298,7 +298,7 @@ fn output_bit(aov: Aov) -> u32 {
         Aov::Triangle => OUTPUT_TRIANGLE,
         Aov::Samples => OUTPUT_SAMPLES,
         // Counted before anything is resolved.
-        Aov::Overdraw => 0,
+        Aov::Overdraw | Aov::Cost => 0,
     }
 }
 

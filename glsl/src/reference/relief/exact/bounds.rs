@@ -1,0 +1,38 @@
+//! The greatest heights of cells and of 2 x 2 of those below, which rays are held against (Tevs, Ihrke and Seidel 2008).
+
+use glam::IVec2;
+
+use super::super::HeightLevel;
+
+/// Of every cell, row by row, then of ever 2 x 2 of those, sizes rounded up, until one is left; then the least height of
+/// the map. Exact: greatest of f32.
+#[must_use]
+pub fn bounds(level: &HeightLevel) -> Vec<f32> {
+    let mut all = cells(level);
+    let (mut first, mut size) = (0, level.size);
+    while size != [1; 2] {
+        let above = fours(&all[first..], size);
+        first = all.len();
+        size = size.map(|n| n.div_ceil(2));
+        all.extend(above);
+    }
+    all.push(level.heights.iter().copied().fold(f32::INFINITY, f32::min));
+    all
+}
+
+fn cells(level: &HeightLevel) -> Vec<f32> {
+    let [width, height] = level.size.map(|n| n as i32);
+    let greatest =
+        |x, y| level.corners(IVec2::new(x, y)).map(|h| h as f32).into_iter().fold(f32::NEG_INFINITY, f32::max);
+    (0..height).flat_map(|y| (0..width).map(move |x| greatest(x, y))).collect()
+}
+
+fn fours(below: &[f32], [width, height]: [u32; 2]) -> Vec<f32> {
+    let at = |x: u32, y: u32| below[(y.min(height - 1) * width + x.min(width - 1)) as usize];
+    let greatest = |x: u32, y: u32| {
+        let (x, y) = (2 * x, 2 * y);
+        at(x, y).max(at(x + 1, y)).max(at(x, y + 1).max(at(x + 1, y + 1)))
+    };
+    let [columns, rows] = [width, height].map(|n| n.div_ceil(2));
+    (0..rows).flat_map(|y| (0..columns).map(move |x| greatest(x, y))).collect()
+}
