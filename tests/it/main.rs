@@ -6,6 +6,7 @@ mod cli;
 mod compare;
 mod corpus;
 mod determinism;
+mod gallery;
 mod gltf;
 mod invariants;
 mod lists;
