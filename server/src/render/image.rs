@@ -7,6 +7,7 @@ pub mod environment;
 mod layers;
 pub(crate) mod light;
 mod projected;
+pub(crate) mod relief;
 pub(crate) mod shading;
 mod shadow_map;
 mod shells;
@@ -58,6 +59,7 @@ pub fn render(
     let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
+        streams.relief.record_maps(recorder, &tables.relief)?;
         streams.record_light(recorder)
     })?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;

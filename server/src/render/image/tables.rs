@@ -10,7 +10,7 @@ use displace_glsl::layout::raster::{
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-use super::bump::BumpTables;
+use super::{bump::BumpTables, relief::ReliefTables};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
@@ -35,6 +35,7 @@ pub(crate) struct Tables {
     /// `MAP_SLOTS` for each material, without their levels.
     pub(crate) texture_uses: Vec<TextureUse>,
     pub(crate) bump: BumpTables,
+    pub(crate) relief: ReliefTables,
     pub(crate) lights: Vec<Light>,
     pub(crate) meshes: Vec<MeshPlace>,
     pub(crate) batches: Vec<Batch>,
@@ -82,6 +83,7 @@ impl Tables {
             materials: scene.materials.iter().map(material).collect(),
             texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
             bump: BumpTables::new(scene)?,
+            relief: ReliefTables::new(scene)?,
             lights: scene.lighting.lights.iter().map(light).collect(),
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],
@@ -111,7 +113,7 @@ impl Tables {
         let flags = flags | if mesh.colors.is_empty() { 0 } else { PART_COLORED };
         for (run, material) in runs(mesh) {
             let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
-            let flags = flags | material_flags(&scene.materials[material as usize]);
+            let flags = flags | material_flags(&scene.materials[material as usize], tests_relief(scene));
             let first = batch.triangles.end;
             self.parts.push(Part {
                 first_triangle: first as u32,
@@ -174,11 +176,17 @@ fn places(meshes: &[RenderMesh]) -> Vec<MeshPlace> {
     meshes.iter().scan(MeshPlace::default(), next).collect()
 }
 
-fn material_flags(material: &RenderMaterial) -> u32 {
+/// Whether relief decides how far away is what samples see, so that they are tested.
+fn tests_relief(scene: &RenderScene) -> bool {
+    scene.marcher().is_some_and(|marcher| marcher.finds_depth)
+}
+
+fn material_flags(material: &RenderMaterial, tests_relief: bool) -> u32 {
     let double_sided = if material.double_sided { PART_DOUBLE_SIDED } else { 0 };
     let alpha = match material.alpha {
         RenderAlpha::Blend => PART_BLENDED,
         alpha if alpha.cutoff() > 0.0 => PART_MASKED,
+        _ if tests_relief && material.relief.is_some() => PART_MASKED,
         _ => 0,
     };
     double_sided | alpha
