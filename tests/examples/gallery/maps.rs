@@ -237,7 +237,7 @@ fn globe(folder: &Path) -> Result<()> {
         let (a, b) = (x % 64, y % 64);
         let is_letter = (16..26).contains(&a) && (10..54).contains(&b)
             || (26..48).contains(&a) && ((10..20).contains(&b) || (27..36).contains(&b));
-        let (hue, light) = (f64::from(x / 64) * 0.7854, 0.75 - 0.12 * f64::from(y / 64));
+        let (hue, light) = (f64::from(x / 64) * std::f64::consts::FRAC_PI_4, 0.75 - 0.12 * f64::from(y / 64));
         let ink = if is_letter { 0.25 } else { 1.0 };
         Rgb([0.0, 1.0, 2.0].map(|k| byte(ink * light * (0.72 + 0.28 * (hue - 2.1 * k).cos()))))
     };
