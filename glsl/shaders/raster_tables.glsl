@@ -19,6 +19,8 @@ const uint PART_MASKED = 4u;
 const uint PART_COLORED = 8u;
 // It is seen through: drawn in layers, after all else.
 const uint PART_BLENDED = 16u;
+// Where on it is seen, its heights decide.
+const uint PART_RELIEF = 64u;
 
 // Rows of an instance's affine maps in `instance_rows`, so many for each instance. The first four give
 // homogeneous pixels (x w, y w, z, w) with y down; then world position; then the normal's linear map.
