@@ -102,6 +102,13 @@ impl RenderScene {
         self.materials.iter().any(|material| !material.bump.is_empty())
     }
 
+    /// How heights are found per pixel; none where no material has any that are shown so.
+    #[must_use]
+    pub fn marcher(&self) -> Option<&'static displace_glsl::methods::Marcher> {
+        let has_relief = self.materials.iter().any(|material| material.relief.is_some());
+        self.relief.method.marcher().filter(|_| has_relief)
+    }
+
     /// Whether any material has a map in this place of its `maps`.
     #[must_use]
     pub fn has_map(&self, slot: usize) -> bool {
@@ -152,6 +159,8 @@ pub struct RenderInstance {
     pub mesh: usize,
     /// Column-major.
     pub world_from_mesh: [f32; 16],
+    /// Of the renderer's own: the instance in whose place it is drawn.
+    pub stands_for: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]

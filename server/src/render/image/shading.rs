@@ -25,7 +25,7 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, Slab, bump, layers, light, projected, shadow_map,
+    Frame, Run, Slab, bump, layers, light, projected, proxies, shadow_map,
     streams::{OccluderStreams, WorkStreams},
     visibility::fragment_count,
 };
@@ -52,7 +52,12 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
 pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, keys: &Stream) -> Result<u64> {
     let Frame { work, .. } = frame;
     let (slab_px, slab_size_px) = slab.px();
-    let params = FragmentsParams { count: slab.pixels() as u32, slab_px, slab_size_px };
+    let params = FragmentsParams {
+        count: slab.pixels() as u32,
+        slab_px,
+        slab_size_px,
+        at_samples: u32::from(proxies::are_drawn(frame.scene)),
+    };
     run.record(|recorder| {
         recorder.fill(&work.fragment_count, 0)?;
         let bound = [

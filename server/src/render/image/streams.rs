@@ -28,6 +28,7 @@ use super::{
     bump::BumpStreams,
     environment::{self, EnvironmentStreams},
     projected::ProjectedStreams,
+    silhouettes::SilhouetteStreams,
     tables::Tables,
     textures::Textures,
 };
@@ -52,6 +53,7 @@ pub(crate) struct SceneStreams {
     pub(crate) tangents: Stream,
     pub(crate) colors: Stream,
     pub(crate) triangles: Stream,
+    pub(crate) silhouettes: SilhouetteStreams,
     pub(crate) parts: Stream,
     pub(crate) instance_rows: Stream,
     pub(crate) boxes: Stream,
@@ -122,6 +124,7 @@ impl SceneStreams {
             tangents: tangents(device, scene, tables)?,
             colors: colors(device, scene, tables)?,
             triangles: triangles(device, scene, tables)?,
+            silhouettes: SilhouetteStreams::upload(device, scene)?,
             parts: Stream::from_slice(device, "parts", &tables.parts)?,
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
             boxes: Stream::from_slice(device, "boxes", &tables.boxes)?,
