@@ -166,6 +166,8 @@ pub struct RenderInstance {
     pub mesh: usize,
     /// Column-major.
     pub world_from_mesh: [f32; 16],
+    /// Of the renderer's own: the instance in whose place it is drawn.
+    pub stands_for: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]

@@ -7,10 +7,12 @@ pub mod environment;
 mod layers;
 pub(crate) mod light;
 mod projected;
+pub(crate) mod proxies;
 pub(crate) mod relief;
 pub(crate) mod shading;
 mod shadow_map;
 mod shells;
+mod silhouettes;
 mod streams;
 pub(crate) mod tables;
 mod textures;
@@ -51,6 +53,8 @@ pub fn render(
         around.extend(times);
         Ok(images)
     })?;
+    let scene = proxies::with_proxies(scene);
+    let scene = scene.as_ref();
     let mut run = Run { device, job, times: Vec::new() };
     around.into_iter().for_each(|time| run.add(time));
     let shadow_maps = shadow_map::make(&mut run, scene)?;

@@ -281,8 +281,14 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
     ];
-    if silhouettes == Silhouettes::None {
-        bound.push(("normals", &streams.normals));
+    match silhouettes {
+        Silhouettes::None => bound.push(("normals", &streams.normals)),
+        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
+        Silhouettes::Quadric => bound.extend([
+            ("directions", &streams.silhouettes.directions),
+            ("bends", &streams.silhouettes.bends),
+            ("raises", &streams.silhouettes.raises),
+        ]),
     }
     Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
 }

@@ -25,7 +25,7 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, Slab, bump, layers, light, projected,
+    Frame, Run, Slab, bump, layers, light, projected, proxies,
     relief::{self, Stage},
     shadow_map,
     streams::{OccluderStreams, WorkStreams},
@@ -54,7 +54,12 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
 pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, keys: &Stream) -> Result<u64> {
     let Frame { work, .. } = frame;
     let (slab_px, slab_size_px) = slab.px();
-    let params = FragmentsParams { count: slab.pixels() as u32, slab_px, slab_size_px };
+    let params = FragmentsParams {
+        count: slab.pixels() as u32,
+        slab_px,
+        slab_size_px,
+        at_samples: u32::from(proxies::are_drawn(frame.scene)),
+    };
     run.record(|recorder| {
         recorder.fill(&work.fragment_count, 0)?;
         let bound = [

@@ -29,6 +29,7 @@ use super::{
     environment::{self, EnvironmentStreams},
     projected::ProjectedStreams,
     relief::{MarchStreams, ReliefStreams},
+    silhouettes::SilhouetteStreams,
     tables::Tables,
     textures::Textures,
 };
@@ -53,6 +54,7 @@ pub(crate) struct SceneStreams {
     pub(crate) tangents: Stream,
     pub(crate) colors: Stream,
     pub(crate) triangles: Stream,
+    pub(crate) silhouettes: SilhouetteStreams,
     pub(crate) parts: Stream,
     pub(crate) instance_rows: Stream,
     pub(crate) boxes: Stream,
@@ -124,6 +126,7 @@ impl SceneStreams {
             tangents: tangents(device, scene, tables)?,
             colors: colors(device, scene, tables)?,
             triangles: triangles(device, scene, tables)?,
+            silhouettes: SilhouetteStreams::upload(device, scene)?,
             parts: Stream::from_slice(device, "parts", &tables.parts)?,
             instance_rows: Stream::from_slice(device, "instance_rows", &tables.instance_rows)?,
             boxes: Stream::from_slice(device, "boxes", &tables.boxes)?,
