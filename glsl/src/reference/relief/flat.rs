@@ -35,7 +35,8 @@ impl Base {
         let texel_edges = DMat2::from_cols(texels[1] - texels[0], texels[2] - texels[0]);
         let from_mesh = DMat3::from_cols(sides[0], sides[1], normal).inverse();
         let from_texels = texel_edges.inverse();
-        let base = Self { first: corners[0], sides, normal, first_texel: texels[0], texel_edges, from_mesh, from_texels };
+        let base =
+            Self { first: corners[0], sides, normal, first_texel: texels[0], texel_edges, from_mesh, from_texels };
         (from_mesh.is_finite() && from_texels.is_finite()).then_some(base)
     }
 

@@ -69,6 +69,9 @@ mod tests {
         let towards = |direction: DVec3, start: Start| way(&quad(DVec3::Z), &start, direction, 0.75, 9.0);
         assert_eq!(towards(DVec3::new(1.0, 0.0, 1.0), Start { z: 0.75, ..START }), Way::Clear);
         assert_eq!(towards(DVec3::new(1.0, 0.0, -0.1), START), Way::Dark);
-        assert_eq!(towards(DVec3::new(1.0, 0.0, 0.5), Start { facing: DVec3::new(-1.0, 0.0, 1.0), ..START }), Way::Dark);
+        assert_eq!(
+            towards(DVec3::new(1.0, 0.0, 0.5), Start { facing: DVec3::new(-1.0, 0.0, 1.0), ..START }),
+            Way::Dark
+        );
     }
 }

@@ -113,7 +113,8 @@ mod tests {
         for normal in [DVec3::Z, DVec3::new(0.3, -0.2, 1.0).normalize()] {
             let (at_px, step) = (DVec2::new(45.5, 42.25), 1e-4);
             let found = seen(normal, at_px);
-            let across = |way: DVec2| (seen(normal, at_px + way * step).at - seen(normal, at_px - way * step).at) / (2.0 * step);
+            let across =
+                |way: DVec2| (seen(normal, at_px + way * step).at - seen(normal, at_px - way * step).at) / (2.0 * step);
             for (change, way) in [(found.dx, DVec2::X), (found.dy, DVec2::Y)] {
                 assert!((change - across(way)).length() < 1e-6 * change.length(), "{change} {}", across(way));
             }
