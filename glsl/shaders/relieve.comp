@@ -38,6 +38,7 @@ PAGED(11, readonly, March, marches);
 #include "course_texels.glsl"
 #include "tiled.glsl"
 #include "relief_slope.glsl"
+#include "bump.glsl"
 #include "world.glsl"
 
 // Weights of the corners at a place of the map; those it had where the corners have no area on the map.
@@ -99,9 +100,8 @@ void strike(inout SurfacePoint point, Relief relief, uint i, March march, mat3x2
     vec2 rises = slope * mat2(texel_corners[1] - texel_corners[0], texel_corners[2] - texel_corners[0]);
     mat2x3 along = mat2x3(corner[1] - corner[0] + n * rises.x, corner[2] - corner[0] + n * rises.y);
     derive(point, row, at_px, x, along);
-    vec3 facet = cross(along[0], along[1]);
-    float largest = max(max(abs(facet.x), abs(facet.y)), abs(facet.z));
-    point.facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(largest > 0.0 ? facet / largest : facet, 0.0)));
+    vec3 facet = n - surface_gradient(corner[1] - corner[0], corner[2] - corner[0], n, rises);
+    point.facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(facet, 0.0)));
     point.normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(n, 0.0)));
     point.position = mapped(row + WORLD_ROW, vec4(x, 1.0));
     point.flip = 1.0;

@@ -81,7 +81,7 @@ impl BumpTables {
 }
 
 pub(crate) struct BumpStreams {
-    bumps: Stream,
+    pub(crate) bumps: Stream,
     formulas: Stream,
     instructions: Stream,
 }

@@ -213,6 +213,26 @@ pub(crate) fn copy_costs(frame: &Frame<'_>, slab: Slab, images: &mut ImageSet) -
     Ok(())
 }
 
+/// Normals of what was struck, where maps are seen larger than they are; once those of slopes are known.
+pub(crate) fn record_normals(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    if !scene.marcher().is_some_and(|marcher| marcher.finds_depth) || !scene.is_bumped() {
+        return Ok(());
+    }
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    let bound = [
+        ("points", &work.points),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("courses", &work.march.courses),
+        ("marches", &work.march.marches),
+        ("bumps", &streams.bump.bumps),
+        ("appearances", &work.appearances),
+    ];
+    Ok(recorder.dispatch(&SHADERS.relief_normals, count, &params, &bound)?)
+}
+
 /// Takes from what arrives of each light what relief keeps off.
 pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, tables, work, .. } = frame;

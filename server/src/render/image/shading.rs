@@ -95,7 +95,8 @@ pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, 
     relief::record(recorder, frame, slab, count, Stage::Shows)?;
     (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
     record_look(recorder, frame, count)?;
-    bump::record(recorder, frame, count)
+    bump::record(recorder, frame, count)?;
+    relief::record_normals(recorder, frame, count)
 }
 
 fn record_images(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {

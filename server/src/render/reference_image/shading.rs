@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    layout::raster::{MAP_BASE_COLOR, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_SLOTS, Material, PART_MIRRORED},
+    layout::raster::{MAP_BASE_COLOR, MAP_DETAIL, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_SLOTS, Material, PART_MIRRORED},
     reference::{
         appearance::{self, Appearance, appearance},
         mip::Level,
@@ -27,7 +27,7 @@ use super::{
 use crate::{
     domain::{
         Result,
-        image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
+        image::{BumpKind, ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
     },
     render::image::{bump::BumpTables, coverage, tables::wrap_numbers},
 };
@@ -105,6 +105,9 @@ impl Shader {
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
+        if shade.is_some() {
+            look.normal = struck_normal(place, source, &b, [look.normal, facing]);
+        }
         let normal_change = |weights: DVec3| flip * place.normal_change(b.at, weights);
         let position_change = |weights: DVec3| place.position_change(weights);
         let corner = |weights: DVec3| (place.position(weights), flip * place.normal(weights));
@@ -215,6 +218,21 @@ fn seen(place: &Place<'_>, at_px: [f64; 2]) -> (Barycentrics, f64) {
     }));
     let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
     (b, flip)
+}
+
+/// Of relief: of slopes as they are filtered, and that of the heights that were struck, which counts where the map is seen
+/// larger than it is.
+fn struck_normal(
+    place: &Place<'_>,
+    source: &RenderMaterial,
+    b: &Barycentrics,
+    [filtered, struck]: [DVec3; 2],
+) -> DVec3 {
+    let slot = source.bump.uses.iter().position(|used| used.kind == BumpKind::Height);
+    let Some(map) = slot.and_then(|slot| source.maps[MAP_DETAIL + slot].as_ref()) else { return filtered };
+    let [dx, dy] = sides(place, map, b);
+    let share = (2.0 - dx.perp_dot(dy).abs().sqrt()).clamp(0.0, 1.0);
+    filtered.lerp(struck, share).try_normalize().unwrap_or(filtered)
 }
 
 /// Where a pixel's corners lie apart on a map, texels.
