@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Lists what is to be shaded: a thread per pixel makes one fragment for each distinct triangle of its four
-// samples, at the centroid of the samples it covers. The fragments of a pixel are neighbours, in the order
+// samples, at the centroid of the samples it covers, or at the first of them. The fragments of a pixel are neighbours, in the order
 // of their first samples; where in the list they begin varies between runs and changes nothing.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #include "common.glsl"
@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform Params {
     uint count; // pixels
     ivec2 slab_px;
     ivec2 slab_size_px;
+    uint at_samples; // 1: at first samples, as they were tested
 } params;
 
 PAGED(0, readonly, uint64_t, visibility);
@@ -44,7 +45,10 @@ void element(uint i) {
             sum += same ? ivec2(sample_x(s), sample_y(s)) : ivec2(0);
         }
         if (!known) {
-            found[n++] = Fragment(ids[first], pixel + vec2(sum) / float(256u * covered), covered);
+            bool at_sample = params.at_samples != 0u;
+            ivec2 total = at_sample ? ivec2(sample_x(first), sample_y(first)) : sum;
+            vec2 within = vec2(total) / float(256u * (at_sample ? 1u : covered));
+            found[n++] = Fragment(ids[first], pixel + within, covered);
         }
     }
     uint place = n > 0u ? atomicAdd(ELEMENT(fragment_count, 0u), n) : 0u;

@@ -9,6 +9,10 @@ struct Part {
     uint instance;
     uint material;
     uint flags;          // PART_*
+    // What is drawn in place of a part that is itself unseen names that part's first triangle, and how many of its own
+    // stand for each of them; others name themselves, and 1.
+    uint stands_for;
+    uint faces;
 };
 
 // The instance mirrors: counter-clockwise triangles appear clockwise.
@@ -19,6 +23,10 @@ const uint PART_MASKED = 4u;
 const uint PART_COLORED = 8u;
 // It is seen through: drawn in layers, after all else.
 const uint PART_BLENDED = 16u;
+// Where on it is seen, its heights decide.
+const uint PART_RELIEF = 64u;
+// Others are drawn in its place.
+const uint PART_UNSEEN = 32u;
 
 // Rows of an instance's affine maps in `instance_rows`, so many for each instance. The first four give
 // homogeneous pixels (x w, y w, z, w) with y down; then world position; then the normal's linear map.

@@ -72,7 +72,7 @@ bool faces_away(ivec2 a, ivec2 b, ivec2 c, uint part_flags) {
 
 uint classify(uint id) {
     FIND_PART(id, params.part_first, params.part_last, part)
-    if (((part.flags & PART_BLENDED) != 0u) != (params.blended != 0u)) {
+    if (((part.flags & PART_BLENDED) != 0u) != (params.blended != 0u) || (part.flags & PART_UNSEEN) != 0u) {
         return DROPPED;
     }
     uvec3 v = LOAD(triangles, part.triangle_base + (id - part.first_triangle)) + part.screen_base;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // What lies under each fragment: perspective-correct weights of the vertices and their derivatives, position and
-// normals. A thread per fragment.
+// normals. Of a triangle that is drawn in place of another, what lies under that other one's plane. A thread per fragment.
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -74,7 +74,12 @@ vec3 front_of(uint row, mat3 position) {
 void element(uint i) {
     Fragment fragment = LOAD(fragments, i);
     FIND_PART(fragment.id, 0u, params.part_last, part)
-    uint triangle = part.triangle_base + (fragment.id - part.first_triangle);
+    uint id = part.stands_for + (fragment.id - part.first_triangle) / part.faces;
+    if (id != fragment.id) {
+        FIND_PART(id, 0u, params.part_last, seen)
+        part = seen;
+    }
+    uint triangle = part.triangle_base + (id - part.first_triangle);
     uvec3 v = LOAD(triangles, triangle);
     mat3 position;
     mat3 normal;
@@ -88,7 +93,7 @@ void element(uint i) {
     vec3 n = flip * unit_or_zero(mapped(row + NORMAL_ROW, vec4(normal * b.at, 0.0)));
     vec3 place = mapped(row + WORLD_ROW, vec4(position * b.at, 1.0));
     STORE(points, i, SurfacePoint(
-        fragment.id, part.material, fragment.extra, part.instance, triangle, v, b.at, b.dx, b.dy, place, n,
+        id, part.material, fragment.extra, part.instance, triangle, v, b.at, b.dx, b.dy, place, n,
         flip * front_of(row, position), flip, uint(fragment.at_px.x) | uint(fragment.at_px.y) << 16));
 }
 

@@ -45,7 +45,7 @@ fn scene(mesh: OracleMesh, color: [f32; 3], lighting: Lighting) -> OracleScene {
         RenderMaterial { base_color_factor: [r, g, b, 1.0], double_sided: true, ..RenderMaterial::default() };
     OracleScene {
         meshes: vec![mesh],
-        instances: vec![RenderInstance { mesh: 0, world_from_mesh: IDENTITY }],
+        instances: vec![RenderInstance { mesh: 0, world_from_mesh: IDENTITY, stands_for: None }],
         materials: vec![material],
         camera: camera(),
         lighting,

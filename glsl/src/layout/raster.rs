@@ -9,6 +9,8 @@ mirrors! {
         pub instance: u32,
         pub material: u32,
         pub flags: u32,
+        pub stands_for: u32,
+        pub faces: u32,
     }
 
     /// Factors of a material.
@@ -123,6 +125,7 @@ mirrors! {
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
         pub stage: u32,
+        pub all_depths: u32,
     }
 
     pub struct ClipParams {
@@ -150,6 +153,7 @@ mirrors! {
         pub count: u32,
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
+        pub at_samples: u32,
     }
 
     pub struct SurfaceParams {
@@ -257,6 +261,8 @@ pub const PART_DOUBLE_SIDED: u32 = 2;
 pub const PART_MASKED: u32 = 4;
 pub const PART_COLORED: u32 = 8;
 pub const PART_BLENDED: u32 = 16;
+pub const PART_RELIEF: u32 = 64;
+pub const PART_UNSEEN: u32 = 32;
 
 /// Rows of `instance_rows` for each instance.
 pub const INSTANCE_ROWS: usize = 10;

@@ -72,7 +72,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
         instances: scene
             .instances
             .iter()
-            .map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh })
+            .map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh, stands_for: None })
             .collect(),
         materials,
         camera,

@@ -53,7 +53,9 @@ pub(super) fn render_scene(
     let instances = scene.instances.iter();
     Ok(RenderScene {
         meshes,
-        instances: instances.map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh }).collect(),
+        instances: instances
+            .map(|i| RenderInstance { mesh: i.mesh, world_from_mesh: i.world_from_mesh, stands_for: None })
+            .collect(),
         materials,
         camera: camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?,
         lighting: looks::lighting(&request.look, scene, environment),

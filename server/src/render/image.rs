@@ -7,9 +7,12 @@ pub mod environment;
 mod layers;
 pub(crate) mod light;
 mod projected;
+pub(crate) mod proxies;
+pub(crate) mod relief;
 pub(crate) mod shading;
 mod shadow_map;
 mod shells;
+mod silhouettes;
 mod streams;
 pub(crate) mod tables;
 mod textures;
@@ -50,6 +53,8 @@ pub fn render(
         around.extend(times);
         Ok(images)
     })?;
+    let scene = proxies::with_proxies(scene);
+    let scene = scene.as_ref();
     let mut run = Run { device, job, times: Vec::new() };
     around.into_iter().for_each(|time| run.add(time));
     let shadow_maps = shadow_map::make(&mut run, scene)?;
@@ -58,6 +63,7 @@ pub fn render(
     let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
+        streams.relief.record_maps(recorder, &tables.relief)?;
         streams.record_light(recorder)
     })?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;
@@ -82,6 +88,7 @@ pub fn render(
         }
         shading::shade(&mut run, &frame, *slab)?;
         shading::copy_out(&work, *slab, side, &mut images)?;
+        relief::copy_costs(&frame, *slab, &mut images)?;
         job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
     }
     Ok((images, run.times))
@@ -165,7 +172,7 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
         overdraw: wants(Aov::Overdraw).then(|| vec![0; pixels]),
         samples: wants(Aov::Samples).then(|| vec![0; pixels]),
-        cost: None,
+        cost: wants(Aov::Cost).then(|| vec![[0.0; 3]; pixels]),
         counters: None,
         clip_from_world: Some(scene.camera.clip_from_world()),
         layers_left_out: false,

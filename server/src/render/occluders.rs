@@ -2,7 +2,7 @@
 //! executors walk in one order. Built by `obvhs`.
 
 use displace_glsl::{
-    layout::raster::{BVH_INNER, BvhNode, INSTANCE_ROWS},
+    layout::raster::{BVH_INNER, BvhNode, INSTANCE_ROWS, Part},
     reference::shadow_rays::Occluders,
 };
 use glam::{DVec4, Vec3A};
@@ -30,7 +30,7 @@ pub(crate) struct Shade {
 impl Shade {
     /// Fails when the scene has too many triangles.
     pub(crate) fn new(scene: &RenderScene, tables: &Tables) -> Result<Self> {
-        let triangles = tables.batches.last().map_or(0, |batch| batch.triangles.end);
+        let triangles = occluding(scene, tables);
         if triangles > MOST_TRIANGLES {
             let message = format!(
                 "shadows by rays are for at most {MOST_TRIANGLES} triangles, and the scene's instances have {triangles}: lower the level, or leave shadows out"
@@ -50,11 +50,19 @@ impl Shade {
     }
 }
 
+/// How many triangles stop light. What stands for others is behind all that does.
+fn occluding(scene: &RenderScene, tables: &Tables) -> u64 {
+    let total = tables.batches.last().map_or(0, |batch| batch.triangles.end);
+    let stands_for = |part: &&Part| scene.instances[part.instance as usize].stands_for.is_some();
+    tables.parts.iter().find(stands_for).map_or(total, |part| u64::from(part.first_triangle))
+}
+
 /// By triangle number over all instances.
 fn world_corners(scene: &RenderScene, tables: &Tables) -> Vec<[[f32; 3]; 3]> {
-    let total = tables.batches.last().map_or(0, |batch| batch.triangles.end) as usize;
+    let total = occluding(scene, tables) as usize;
     let mut corners = vec![[[0.0; 3]; 3]; total];
-    for (k, part) in tables.parts.iter().enumerate() {
+    let is_occluder = |(_, part): &(usize, &Part)| (part.first_triangle as usize) < total;
+    for (k, part) in tables.parts.iter().enumerate().take_while(is_occluder) {
         let end = tables.parts.get(k + 1).map_or(total, |next| next.first_triangle as usize);
         let mesh = scene.instances[part.instance as usize].mesh;
         let first = part.triangle_base as usize - tables.meshes[mesh].triangle_base as usize;

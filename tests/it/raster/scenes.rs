@@ -72,7 +72,8 @@ impl Builder {
     pub(crate) fn add(&mut self, mut mesh: RenderMesh, material: RenderMaterial, world_from_mesh: [f32; 16]) {
         mesh.material_of_triangles = vec![(0, self.scene.materials.len() as u32)];
         self.scene.materials.push(material);
-        self.scene.instances.push(RenderInstance { mesh: self.scene.meshes.len(), world_from_mesh });
+        let mesh_index = self.scene.meshes.len();
+        self.scene.instances.push(RenderInstance { mesh: mesh_index, world_from_mesh, stands_for: None });
         self.scene.meshes.push(mesh);
     }
 

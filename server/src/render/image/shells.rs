@@ -8,7 +8,8 @@ use glam::DVec3;
 
 use crate::domain::image::RenderMesh;
 
-const HULL_FACES: usize = 8;
+/// Of each hull.
+pub(crate) const HULL_FACES: usize = 8;
 
 /// How far hulls go beyond the sides of prisms, as a weight: more than a triangle of a quarter of a pixel loses when its
 /// corners are snapped.

@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use displace_glsl::layout::raster::{
     INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_STOCHASTIC,
-    MATERIAL_UNLIT, Material, PART_BLENDED, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
-    TextureUse,
+    MATERIAL_UNLIT, Material, PART_BLENDED, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, PART_RELIEF,
+    PART_UNSEEN, Part, TextureUse,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-use super::bump::BumpTables;
+use super::{bump::BumpTables, proxies, relief::ReliefTables};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
@@ -35,6 +35,7 @@ pub(crate) struct Tables {
     /// `MAP_SLOTS` for each material, without their levels.
     pub(crate) texture_uses: Vec<TextureUse>,
     pub(crate) bump: BumpTables,
+    pub(crate) relief: ReliefTables,
     pub(crate) lights: Vec<Light>,
     pub(crate) meshes: Vec<MeshPlace>,
     pub(crate) batches: Vec<Batch>,
@@ -82,6 +83,7 @@ impl Tables {
             materials: scene.materials.iter().map(material).collect(),
             texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
             bump: BumpTables::new(scene)?,
+            relief: ReliefTables::new(scene)?,
             lights: scene.lighting.lights.iter().map(light).collect(),
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],
@@ -90,13 +92,16 @@ impl Tables {
             colored: scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
         };
         let pixel_from_world = pixel_from_world(&scene.camera, [plan.width, plan.height]);
+        let mut is_stood_for = vec![false; scene.instances.len()];
+        scene.instances.iter().filter_map(|instance| instance.stands_for).for_each(|base| is_stood_for[base] = true);
         for (index, instance) in scene.instances.iter().enumerate() {
             let world_from_mesh = DMat4::from_cols_array(&instance.world_from_mesh.map(f64::from));
             tables.instance_rows.extend(instance_rows(pixel_from_world * world_from_mesh, world_from_mesh));
             let ProjectionBox { centre: [x, y, z], side } = scene.meshes[instance.mesh].projection_box;
             tables.boxes.push([x, y, z, side]);
             let mirrored = DMat3::from_mat4(world_from_mesh).determinant() < 0.0;
-            tables.add_instance(scene, index, if mirrored { PART_MIRRORED } else { 0 })?;
+            let flags = if mirrored { PART_MIRRORED } else { 0 } | if is_stood_for[index] { PART_UNSEEN } else { 0 };
+            tables.add_instance(scene, index, flags)?;
         }
         tables.has_layers = tables.batches.iter().any(|batch| !batch.blended.is_empty());
         tables.masked = tables.parts.iter().any(|part| part.flags & PART_MASKED != 0);
@@ -109,9 +114,15 @@ impl Tables {
         let vertices = mesh.positions.len() as u64;
         let screen_first = self.reserve(vertices);
         let flags = flags | if mesh.colors.is_empty() { 0 } else { PART_COLORED };
+        let mut unseen = scene.instances[index].stands_for.map(|base| self.unseen(base)).into_iter().flatten();
         for (run, material) in runs(mesh) {
             let batch = self.batches.last_mut().ok_or_else(|| Error::internal("no batch"))?;
-            let flags = flags | material_flags(&scene.materials[material as usize]);
+            let flags = flags | material_flags(&scene.materials[material as usize], tests_relief(scene));
+            let is_moved = proxies::is_moved(&scene.materials[material as usize]);
+            let flags = if is_moved { flags } else { flags & !PART_UNSEEN };
+            let stood_for = unseen.next();
+            // Proxies close around what they stand for.
+            let flags = if stood_for.is_some() { flags & !PART_DOUBLE_SIDED } else { flags };
             let first = batch.triangles.end;
             self.parts.push(Part {
                 first_triangle: first as u32,
@@ -120,6 +131,8 @@ impl Tables {
                 instance: index as u32,
                 material,
                 flags,
+                stands_for: stood_for.unwrap_or(first as u32),
+                faces: if stood_for.is_some() { proxies::faces(scene) } else { 1 },
             });
             batch.triangles.end += run.len() as u64;
             if flags & PART_BLENDED != 0 {
@@ -143,6 +156,13 @@ impl Tables {
         Ok(())
     }
 
+    /// First triangles of an instance's parts in whose place others are drawn.
+    fn unseen(&self, instance: usize) -> Vec<u32> {
+        let first = self.parts.partition_point(|part| (part.instance as usize) < instance);
+        let of_it = self.parts[first..].iter().take_while(|part| part.instance as usize == instance);
+        of_it.filter(|part| part.flags & PART_UNSEEN != 0).map(|part| part.first_triangle).collect()
+    }
+
     /// First screen vertex of an instance, in a new batch if the last one is full.
     fn reserve(&mut self, vertices: u64) -> u64 {
         let last = &self.batches[self.batches.len() - 1];
@@ -156,7 +176,7 @@ impl Tables {
 }
 
 /// Runs of triangles of one material, without empty ones.
-fn runs(mesh: &RenderMesh) -> impl Iterator<Item = (Range<usize>, u32)> + '_ {
+pub(super) fn runs(mesh: &RenderMesh) -> impl Iterator<Item = (Range<usize>, u32)> + '_ {
     let starts = &mesh.material_of_triangles;
     starts.iter().enumerate().filter_map(|(k, &(first, material))| {
         let end = starts.get(k + 1).map_or(mesh.triangles.len(), |next| next.0 as usize);
@@ -174,13 +194,20 @@ fn places(meshes: &[RenderMesh]) -> Vec<MeshPlace> {
     meshes.iter().scan(MeshPlace::default(), next).collect()
 }
 
-fn material_flags(material: &RenderMaterial) -> u32 {
+/// Whether relief decides how far away is what samples see, so that they are tested.
+fn tests_relief(scene: &RenderScene) -> bool {
+    scene.marcher().is_some_and(|marcher| marcher.finds_depth)
+}
+
+fn material_flags(material: &RenderMaterial, tests_relief: bool) -> u32 {
     let double_sided = if material.double_sided { PART_DOUBLE_SIDED } else { 0 };
     let alpha = match material.alpha {
         RenderAlpha::Blend => PART_BLENDED,
         alpha if alpha.cutoff() > 0.0 => PART_MASKED,
+        _ if tests_relief && material.relief.is_some() => PART_MASKED,
         _ => 0,
     };
+    let alpha = if tests_relief && material.relief.is_some() { alpha | PART_RELIEF } else { alpha };
     double_sided | alpha
 }
 
@@ -309,6 +336,11 @@ pub(crate) fn check(scene: &RenderScene) -> Result<()> {
     let meshes = scene.meshes.len();
     if scene.instances.iter().any(|instance| instance.mesh >= meshes) {
         return Err(Error::internal(format!("an instance names a mesh beyond {meshes}")));
+    }
+    let mut bases =
+        scene.instances.iter().enumerate().filter_map(|(index, instance)| Some((index, instance.stands_for?)));
+    if bases.any(|(index, base)| base >= index) {
+        return Err(Error::internal("an instance stands for one behind it"));
     }
     Ok(())
 }

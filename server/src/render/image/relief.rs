@@ -1,0 +1,340 @@
+//! Heights that are shown per pixel: the maps on the device, and the passes that find what a ray strikes.
+
+use std::sync::Arc;
+
+use displace_glsl::{
+    ComputeShader, SHADERS,
+    layout::relief::{
+        COURSE_NODES, ConeMapParams, Course, CourseLightParams, CourseParams, March, MarchParams, Relief, ReliefLevel,
+        RelieveParams, SelfShadowParams, TallyParams,
+    },
+    methods::{Marcher, Needs},
+    reference::relief::{HeightLevel, exact},
+};
+
+use crate::{
+    domain::request::Shadows,
+    domain::{
+        Error, Result,
+        image::{HeightMap, ImageSet, RenderMaterial, RenderRelief, RenderScene, SelfShadow, Silhouettes},
+    },
+    vulkan::{Device, Recorder, Stream},
+};
+
+use super::{Frame, Slab};
+
+/// Of all materials, in their order; empty where none has relief.
+#[derive(Debug, Default)]
+pub(crate) struct ReliefTables {
+    pub(crate) reliefs: Vec<Relief>,
+    pub(crate) levels: Vec<ReliefLevel>,
+    /// Heights, and what the method needs beside them.
+    texels: Vec<f32>,
+    cones: Vec<ConeMapParams>,
+}
+
+impl ReliefTables {
+    pub(crate) fn new(scene: &RenderScene) -> Result<Self> {
+        let mut tables = Self::default();
+        let Some(marcher) = scene.marcher() else { return Ok(tables) };
+        let mut known: Vec<(&Arc<HeightMap>, Relief)> = Vec::new();
+        for RenderMaterial { relief, .. } in &scene.materials {
+            let Some(relief) = relief else {
+                tables.reliefs.push(Relief::default());
+                continue;
+            };
+            let map = match known.iter().find(|(map, _)| Arc::ptr_eq(map, &relief.map)) {
+                Some((_, map)) => *map,
+                None => tables.add(&relief.map, marcher.needs)?,
+            };
+            known.push((&relief.map, map));
+            tables.reliefs.push(of_material(map, relief));
+        }
+        Ok(tables)
+    }
+
+    fn add(&mut self, map: &HeightMap, needs: Needs) -> Result<Relief> {
+        let size = [map.width, map.height];
+        if map.heights.len() as u64 != u64::from(size[0]) * u64::from(size[1]) || map.heights.is_empty() {
+            return Err(Error::internal("a height map has not as many heights as texels"));
+        }
+        let [low, high] = map.range();
+        let mut level = ReliefLevel { size, height_first: self.texels.len() as u32, ..ReliefLevel::default() };
+        self.texels.extend_from_slice(&map.heights);
+        match needs {
+            Needs::Heights => {}
+            Needs::Bounds => {
+                level.bound_first = self.texels.len() as u32;
+                let of = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
+                self.texels.extend(exact::bounds(&of));
+            }
+            Needs::Cones => {
+                level.cone_first = self.texels.len() as u32;
+                self.texels.resize(self.texels.len() + map.heights.len(), 0.0);
+                let count = map.heights.len() as u32;
+                self.cones.push(ConeMapParams { count, wrap: wrap(map), high, level });
+            }
+        }
+        if u32::try_from(self.texels.len()).is_err() {
+            return Err(Error::too_large("details", "the height maps have more than 2^32 values: scale them down"));
+        }
+        self.levels.push(level);
+        let level_first = self.levels.len() as u32 - 1;
+        let thinnest_texels = map.thinnest_texels;
+        Ok(Relief { wrap: wrap(map), level_first, level_count: 1, low, high, thinnest_texels, ..Relief::default() })
+    }
+}
+
+fn of_material(map: Relief, relief: &RenderRelief) -> Relief {
+    let [map_u, map_v] = relief.map_from_uv;
+    Relief { map_u, map_v, uv_channel: relief.uv_channel, steps: relief.steps, ..map }
+}
+
+/// As `tiled.glsl` has it.
+fn wrap(map: &HeightMap) -> u32 {
+    let [u, v] = map.repeats.map(|repeats| u32::from(!repeats) * 2);
+    u | v << 2
+}
+
+/// The maps, for all of a render.
+pub(crate) struct ReliefStreams {
+    reliefs: Stream,
+    levels: Stream,
+    texels: Stream,
+}
+
+impl ReliefStreams {
+    pub(crate) fn upload(device: &Arc<Device>, tables: &ReliefTables) -> Result<Self> {
+        Ok(Self {
+            reliefs: Stream::from_slice(device, "reliefs", &tables.reliefs)?,
+            levels: Stream::from_slice(device, "relief levels", &tables.levels)?,
+            texels: Stream::of_texels(device, &tables.texels)?,
+        })
+    }
+
+    /// Makes what methods need of maps.
+    pub(crate) fn record_maps(&self, recorder: &mut Recorder<'_>, tables: &ReliefTables) -> Result<()> {
+        for params in &tables.cones {
+            recorder.dispatch(&SHADERS.cone_map, u64::from(params.count), params, &[("texels", &self.texels)])?;
+        }
+        Ok(())
+    }
+}
+
+/// Of the fragments of a slab; empty where no material has relief.
+pub(crate) struct MarchStreams {
+    courses: Stream,
+    nodes: Stream,
+    marches: Stream,
+    /// Of pixels: fetches, steps, marches that their bound ended, marches.
+    costs: Stream,
+}
+
+impl MarchStreams {
+    pub(crate) fn new(device: &Arc<Device>, tables: &ReliefTables, fragments: u64, pixels: u64) -> Result<Self> {
+        let [len, pixels] = if tables.reliefs.is_empty() { [0; 2] } else { [fragments, pixels] };
+        Ok(Self {
+            courses: Stream::new(device, "courses", size_of::<Course>() as u32, len)?,
+            nodes: Stream::new(device, "course nodes", 16, len * COURSE_NODES as u64)?,
+            marches: Stream::new(device, "marches", size_of::<March>() as u32, len)?,
+            costs: Stream::new(device, "costs", 16, pixels)?,
+        })
+    }
+}
+
+/// What fragments are that are moved to what is struck under them.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Stage {
+    /// Samples whose depth decides what is seen; told again for the second half of keys.
+    Tests { again: bool },
+    /// What is seen.
+    Shows,
+}
+
+/// Moves the first `count` points to what is struck under them; nothing where no material has relief.
+pub(crate) fn record(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    slab: Slab,
+    count: u64,
+    stage: Stage,
+) -> Result<()> {
+    let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
+    record_courses(recorder, frame, count)?;
+    record_marches(recorder, frame, marcher, count)?;
+    if stage != (Stage::Tests { again: true }) {
+        record_costs(recorder, frame, slab, count)?;
+    }
+    record_struck(recorder, frame, marcher, count, stage)
+}
+
+/// Before the first march of a slab.
+pub(crate) fn clear_costs(recorder: &mut Recorder<'_>, frame: &Frame<'_>) -> Result<()> {
+    if frame.work.march.costs.is_empty() {
+        return Ok(());
+    }
+    Ok(recorder.fill(&frame.work.march.costs, 0)?)
+}
+
+fn record_costs(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab, count: u64) -> Result<()> {
+    let work = frame.work;
+    let (slab_px, slab_size_px) = slab.px();
+    let params = TallyParams { count: count as u32, slab_px, slab_size_px };
+    let bound = [
+        ("points", &work.points),
+        ("courses", &work.march.courses),
+        ("marches", &work.march.marches),
+        ("costs", &work.march.costs),
+    ];
+    Ok(recorder.dispatch(&SHADERS.tally, count, &params, &bound)?)
+}
+
+/// Adds what a slab's marches took to the images; of each square of `side` pixels all.
+pub(crate) fn copy_costs(frame: &Frame<'_>, slab: Slab, images: &mut ImageSet) -> Result<()> {
+    if frame.work.march.costs.is_empty() {
+        return Ok(());
+    }
+    let costs: Vec<[u32; 4]> = frame.work.march.costs.read_range(0..slab.pixels())?;
+    let counters = images.counters.get_or_insert_default();
+    for [fetches, steps, cap_hits, rays] in costs.iter().map(|cost| cost.map(u64::from)) {
+        counters.fetches += fetches;
+        counters.steps += steps;
+        counters.cap_hits += cap_hits;
+        counters.rays += rays;
+    }
+    let (side, width) = (frame.side as usize, images.width as usize);
+    let Some(image) = &mut images.cost else { return Ok(()) };
+    for (i, cost) in costs.iter().enumerate() {
+        let [x, y] = [i % slab.size[0] as usize, i / slab.size[0] as usize];
+        let [left, top] = slab.origin.map(|o| o as usize);
+        let pixel = &mut image[(top + y) / side * width + (left + x) / side];
+        (0..3).for_each(|k| pixel[k] += cost[k] as f32);
+    }
+    Ok(())
+}
+
+/// Takes from what arrives of each light what relief keeps off.
+pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, tables, work, .. } = frame;
+    let Some(marcher) = scene.marcher().filter(|_| scene.relief.self_shadow != SelfShadow::None) else {
+        return Ok(());
+    };
+    if scene.shadows == Shadows::None {
+        recorder.fill(&work.shadows, 1f32.to_bits())?;
+    }
+    let soft = scene.relief.self_shadow == SelfShadow::Soft;
+    for light in 0..tables.lights.len() as u32 {
+        record_ways_to_light(recorder, frame, light, count)?;
+        if soft {
+            record_marches(recorder, frame, &Marcher { shader: &SHADERS.soft_shadow, ..*marcher }, count)?;
+        } else {
+            record_marches(recorder, frame, marcher, count)?;
+        }
+        let lights = tables.lights.len() as u32;
+        let params = SelfShadowParams { count: count as u32, lights, light, soft: u32::from(soft) };
+        let bound = [("courses", &work.march.courses), ("marches", &work.march.marches), ("shadows", &work.shadows)];
+        recorder.dispatch(&SHADERS.self_shadow, count, &params, &bound)?;
+    }
+    Ok(())
+}
+
+fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
+    let bound = [
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("texels", &streams.relief.texels),
+        ("lights", &streams.lights),
+        ("courses", &work.march.courses),
+        ("course_nodes", &work.march.nodes),
+    ];
+    Ok(recorder.dispatch(&SHADERS.course_light, count, &params, &bound)?)
+}
+
+/// The shader that makes courses.
+fn course_shader(silhouettes: Silhouettes) -> &'static ComputeShader {
+    match silhouettes {
+        Silhouettes::None => &SHADERS.course_flat,
+        Silhouettes::Shell => &SHADERS.course_shell,
+        Silhouettes::Quadric => &SHADERS.course_quadric,
+    }
+}
+
+fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    let silhouettes = scene.relief.silhouettes;
+    let mut bound = vec![
+        ("fragments", &work.fragments),
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("courses", &work.march.courses),
+        ("course_nodes", &work.march.nodes),
+    ];
+    match silhouettes {
+        Silhouettes::None => bound.push(("normals", &streams.normals)),
+        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
+        Silhouettes::Quadric => bound.extend([
+            ("directions", &streams.silhouettes.directions),
+            ("bends", &streams.silhouettes.bends),
+            ("raises", &streams.silhouettes.raises),
+        ]),
+    }
+    Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
+}
+
+fn record_marches(recorder: &mut Recorder<'_>, frame: &Frame<'_>, marcher: &Marcher, count: u64) -> Result<()> {
+    let Frame { streams, work, .. } = frame;
+    let params = MarchParams { count: count as u32, setting: marcher.setting };
+    let bound = [
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("texels", &streams.relief.texels),
+        ("courses", &work.march.courses),
+        ("course_nodes", &work.march.nodes),
+        ("marches", &work.march.marches),
+    ];
+    Ok(recorder.dispatch(marcher.shader, count, &params, &bound)?)
+}
+
+fn record_struck(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    marcher: &Marcher,
+    count: u64,
+    stage: Stage,
+) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = RelieveParams {
+        count: count as u32,
+        uv_channels: scene.uv_channels,
+        finds_depth: u32::from(marcher.finds_depth),
+        has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
+        tests: u32::from(stage != Stage::Shows),
+    };
+    let bound = [
+        ("fragments", &work.fragments),
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("texels", &streams.relief.texels),
+        ("courses", &work.march.courses),
+        ("course_nodes", &work.march.nodes),
+        ("marches", &work.march.marches),
+    ];
+    Ok(recorder.dispatch(&SHADERS.relieve, count, &params, &bound)?)
+}
