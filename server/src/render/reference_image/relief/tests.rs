@@ -87,7 +87,7 @@ fn scene(mesh: RenderMesh, unlit: bool) -> RenderScene {
     let sun = RenderLight { color: [2.0; 3], shape: LightShape::Sun { direction_world }, radius: 0.0 };
     RenderScene {
         meshes: vec![mesh],
-        instances: vec![RenderInstance { mesh: 0, world_from_mesh: IDENTITY }],
+        instances: vec![RenderInstance { mesh: 0, world_from_mesh: IDENTITY, stands_for: None }],
         materials: vec![material],
         camera,
         lighting: Lighting { lights: vec![sun], ambient: 0.1, ..Lighting::default() },
@@ -149,6 +149,9 @@ fn hard_shadows_of_heights_fall_where_those_of_fine_triangles_do() {
     let found = image(&shown(Method::Exact, SelfShadow::Hard, false));
     let [apart, without] = [&found, &without].map(|image| difference(image, &truth));
     eprintln!("{apart} without {without}");
+    let soft = image(&shown(Method::Exact, SelfShadow::Soft, false));
+    let sum = |image: &ImageSet| image.color.iter().map(|color| f64::from(color[0])).sum::<f64>();
+    assert!(sum(&soft) < sum(&image(&shown(Method::Exact, SelfShadow::None, false))), "soft shadows take light");
     assert!(apart < 0.02 && without > 2.0 * apart, "{apart} {without}");
 }
 
@@ -173,17 +176,14 @@ fn costs_of_pixels_add_up_to_those_of_the_image() {
 }
 
 #[test]
-fn outlines_and_soft_shadows_are_refused_by_name() {
-    let refused = |settings: ReliefSettings, field: &str| {
+fn outlines_are_refused_by_name() {
+    for silhouettes in [Silhouettes::Shell, Silhouettes::Quadric] {
         let mut scene = shown(Method::Exact, SelfShadow::None, true);
-        scene.relief = settings;
+        scene.relief.silhouettes = silhouettes;
         let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
         let plan = ImagePlan::new(SIDE_PX, SIDE_PX, &scene.contents()).expect("a plan");
         let error = reference_image::render(&job, &plan, &scene).expect_err("what is not shown");
-        assert_eq!(error.field.as_deref(), Some(field));
+        assert_eq!(error.field.as_deref(), Some("lighting.relief.silhouettes"));
         assert!(error.message.contains("device reference"), "{}", error.message);
-    };
-    let exact = ReliefSettings { method: Method::Exact, ..ReliefSettings::default() };
-    refused(ReliefSettings { silhouettes: Silhouettes::Shell, ..exact }, "lighting.relief.silhouettes");
-    refused(ReliefSettings { self_shadow: SelfShadow::Soft, ..exact }, "lighting.relief.self_shadow");
+    }
 }
