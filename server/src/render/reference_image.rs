@@ -101,7 +101,8 @@ fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
     Ok(images)
 }
 
-/// A row from the `side` rows of a finer image: mean colours, all that marches took, and what is seen right below the middle of each square.
+/// A row from the `side` rows of a finer image: mean colours, all that marches took, and what is seen right below the
+/// middle of each square.
 fn averaged(mut rows: Vec<Vec<Pixel>>, side: usize) -> Vec<Pixel> {
     let layers_left_out = rows.iter().flatten().any(|pixel| pixel.layers_left_out);
     let marches = count::of_squares(&rows, side);
