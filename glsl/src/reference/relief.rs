@@ -21,6 +21,7 @@ pub mod relief;
 pub mod relieve;
 pub mod search;
 pub mod shell;
+pub mod soft_shadow;
 pub mod steep;
 #[cfg(test)]
 pub(crate) mod tests;

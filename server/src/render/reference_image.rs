@@ -14,7 +14,8 @@ mod shadow_map;
 
 use displace_glsl::{
     layout::raster::{
-        INSTANCE_ROWS, MATERIAL_STOCHASTIC, PART_BLENDED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, Part,
+        INSTANCE_ROWS, MATERIAL_STOCHASTIC, PART_BLENDED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, PART_RELIEF,
+        Part,
     },
     reference::{
         clip::clip,
@@ -22,6 +23,7 @@ use displace_glsl::{
         downsample::downsample,
         masked::threshold,
         raster::{SAMPLES, ScreenTriangle},
+        relief::March,
         transform::{Snapped, homogeneous, needs_clip, snapped},
     },
 };
@@ -33,7 +35,7 @@ use crate::{
         Result,
         image::{ImagePlan, ImageSet, MarchCounters, RenderMesh, RenderScene},
         report::PassTime,
-        request::{Aov, Rays, Shadows},
+        request::{Rays, Shadows},
     },
     oracle::{
         self,
@@ -84,29 +86,30 @@ fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
     job.cancel.check()?;
     let bands = bands(&triangles, fine.height);
     let fine_row = |y: u32| oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]);
-    let (rows, marches): (Vec<Vec<Pixel>>, Vec<MarchCounters>) = (0..plan.height)
+    let rows: Vec<Vec<Pixel>> = (0..plan.height)
         .into_par_iter()
         .map(|y| {
             job.cancel.check()?;
             let rows: Vec<Vec<Pixel>> = (y * side..(y + 1) * side).map(fine_row).collect();
-            let marches = count::sum(rows.iter().flatten().map(|pixel| pixel.marches));
-            Ok((averaged(rows, side as usize), marches))
+            Ok(averaged(rows, side as usize))
         })
         .collect::<Result<_>>()?;
     let mut images = empty_images(plan, scene);
-    images.cost = scene.aovs.contains(&Aov::Cost).then(|| vec![[0.0; 3]; images.color.len()]);
-    images.counters = oracle.shader.relief.is_shown().then(|| count::sum(marches));
+    images.counters = oracle.shader.relief.is_shown().then(MarchCounters::default);
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     job.progress.pass("image", 1, 1);
     Ok(images)
 }
 
-/// A row from the `side` rows of a finer image: mean colours, and what is seen right below the middle of each square.
+/// A row from the `side` rows of a finer image: mean colours, all that marches took, and what is seen right below the
+/// middle of each square.
 fn averaged(mut rows: Vec<Vec<Pixel>>, side: usize) -> Vec<Pixel> {
     let layers_left_out = rows.iter().flatten().any(|pixel| pixel.layers_left_out);
+    let marches = count::of_squares(&rows, side);
     let colors: Vec<Vec<DVec3>> = rows.iter().map(|row| row.iter().map(|pixel| pixel.color).collect()).collect();
     let middle = rows.swap_remove(side / 2).into_iter().skip(side / 2).step_by(side);
-    middle.zip(downsample(&colors, side)).map(|(pixel, color)| Pixel { color, layers_left_out, ..pixel }).collect()
+    let averaged = middle.zip(downsample(&colors, side)).zip(marches);
+    averaged.map(|((pixel, color), marches)| Pixel { color, marches, layers_left_out, ..pixel }).collect()
 }
 
 /// A triangle, or a piece of one, on the screen.
@@ -145,6 +148,7 @@ impl Pixel {
         set(&mut images.overdraw, i, self.counts[0]);
         set(&mut images.samples, i, self.counts[1]);
         set(&mut images.cost, i, count::cost(&self.marches));
+        images.counters.iter_mut().for_each(|all| all.extend([self.marches]));
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some((id, hit)) = self.hit else { return };
         set(&mut images.depth, i, self.depth as f32);
@@ -247,7 +251,9 @@ impl<'a> Oracle<'a> {
                 let (id, known) = (piece.id, &mut seen[x as usize]);
                 known.covered += 1;
                 let place = [x as u32, y];
-                let Some(depth) = self.depth(id, place, s, piece.triangle.depth_at(at)) else { continue };
+                let (depth, march) = self.depth(id, place, s, piece.triangle.depth_at(at));
+                known.marches.extend(march.as_ref().map(count::one));
+                let Some(depth) = depth else { continue };
                 let new = Seen { depth, id };
                 if is_blended {
                     known.blended[s].push(new);
@@ -259,9 +265,9 @@ impl<'a> Oracle<'a> {
     }
 
     /// What sample `s` of a pixel sees of a triangle; of relief what it strikes, if anything.
-    fn depth(&self, id: u32, pixel: [u32; 2], s: usize, base: f64) -> Option<f64> {
+    fn depth(&self, id: u32, pixel: [u32; 2], s: usize, base: f64) -> (Option<f64>, Option<March>) {
         if !self.shader.relief.is_shown() {
-            return Some(base);
+            return (Some(base), None);
         }
         let part = self.part(id);
         self.shader.depth(&self.place(part, id), of_sample(pixel, s), base)
@@ -281,11 +287,11 @@ impl<'a> Oracle<'a> {
 
     fn pixel(&self, x: u32, y: u32, samples: &Samples) -> Pixel {
         let (layers, layers_left_out) = samples.layers();
-        let (mut seen, mut shown, mut marches) = (Layered::default(), [NOTHING; 4], MarchCounters::default());
+        let (mut seen, mut shown, mut marches) = (Layered::default(), [NOTHING; 4], samples.marches);
         for (ids, is_solid) in layers.iter().map(|ids| (ids, false)).chain([(&samples.solid(), true)]) {
             for (id, covered) in distinct(ids) {
                 let hit = self.hit_of_samples(id, [x, y], &covered);
-                marches = count::sum([marches].into_iter().chain(hit.march.as_ref().map(count::one)));
+                marches.extend(hit.march.as_ref().map(count::one));
                 let alpha = if is_solid { 1.0 } else { hit.look.base.w.clamp(0.0, 1.0) };
                 seen.add(&covered, self.radiance(&hit), alpha);
                 for s in covered {
@@ -317,7 +323,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn radiance(&self, hit: &Hit) -> DVec3 {
-        self.light.radiance(&self.tables.lights, hit, |id, weights| self.is_opaque_at(id, weights))
+        self.light.radiance(&self.tables.lights, hit, |id, weights| self.is_opaque_at(id, weights, hit.material))
     }
 
     /// At the centroid of the samples of a pixel that the triangle covers.
@@ -344,9 +350,12 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Whether a triangle stops light there.
-    fn is_opaque_at(&self, id: u32, weights: DVec3) -> bool {
+    /// Whether a triangle stops light there, of what is of a material. What relief keeps off of itself, marches tell.
+    fn is_opaque_at(&self, id: u32, weights: DVec3, of: u32) -> bool {
         let part = self.part(id);
+        if part.flags & PART_RELIEF != 0 && part.material == of {
+            return false;
+        }
         if part.flags & (PART_MASKED | PART_BLENDED) == 0 {
             return true;
         }

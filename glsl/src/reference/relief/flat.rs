@@ -46,7 +46,7 @@ impl Base {
         self.from_mesh * (point - self.first)
     }
 
-    /// Of a direction.
+    /// Shares and height that a direction changes.
     #[must_use]
     pub fn along(&self, direction: DVec3) -> DVec3 {
         self.from_mesh * direction
@@ -57,6 +57,12 @@ impl Base {
     pub fn weights(&self, place: DVec2) -> DVec3 {
         let b = self.from_texels * (place - self.first_texel);
         DVec3::new(1.0 - b.x - b.y, b.x, b.y)
+    }
+
+    /// On the map, of weights of the corners.
+    #[must_use]
+    pub fn place(&self, weights: DVec3) -> DVec2 {
+        self.first_texel + self.texel_edges * DVec2::new(weights.y, weights.z)
     }
 
     /// What lies beyond the least and the greatest height.

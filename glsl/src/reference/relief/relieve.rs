@@ -3,16 +3,14 @@
 use glam::{DMat2, DVec2, DVec3, DVec4};
 
 use super::{Course, HeightLevel, March, flat::Base, parallax_iterative::slope, pixel_ray::PixelRay};
-use crate::reference::bump::surface_gradient;
 
 /// What a ray struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Struck {
     /// Weights of the corners, also beside the triangle.
     pub at: DVec3,
-    /// Per pixel.
-    pub dx: DVec3,
-    pub dy: DVec3,
+    /// Of the weights, per pixel along x and y; none where the facet is seen from the side.
+    pub changes: Option<[DVec3; 2]>,
     /// Mesh-local.
     pub point: DVec3,
     /// Reversed.
@@ -35,22 +33,20 @@ pub fn struck(
     }
     let point = ray.origin + ray.direction * course.place(march.s).w;
     let rises = base.texel_edges.transpose() * slope(level, march.place.floor().as_ivec2(), march.place);
-    let [dx, dy] = changes(base, rises, rows, at_px, point);
+    let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
+    let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
-    let facing = base.normal - surface_gradient(base.sides, base.normal, rises);
-    Some(Struck { at: base.weights(march.place), dx, dy, point, depth: z / w, facing })
+    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing: along[0].cross(along[1]) })
 }
 
-/// Of the weights, per pixel along x and y: a point of the heights stays in the plane that is seen as a line of pixels, or
-/// goes on to the next. None where they are seen from the side.
-fn changes(base: &Base, rises: DVec2, rows: &[[f32; 4]], at_px: DVec2, point: DVec3) -> [DVec3; 2] {
+/// Of the weights, per pixel: the facet moves with them by `along`, and stays under the pixel or goes on to the next.
+fn changes(along: [DVec3; 2], rows: &[[f32; 4]], at_px: DVec2, point: DVec3) -> Option<[DVec3; 2]> {
     let w = row_of(rows, 3);
     let planes = [0, 1].map(|axis| (row_of(rows, axis) - w * at_px[axis]).truncate());
-    let sides = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
-    let pixels = sides.map(|side| DVec2::new(planes[0].dot(side), planes[1].dot(side)));
+    let pixels = along.map(|side| DVec2::new(planes[0].dot(side), planes[1].dot(side)));
     let shares = DMat2::from_cols(pixels[0], pixels[1]).inverse() * w.dot(point.extend(1.0));
     let weights = |b: DVec2| DVec3::new(-b.x - b.y, b.x, b.y);
-    if shares.is_finite() { [weights(shares.x_axis), weights(shares.y_axis)] } else { [DVec3::ZERO; 2] }
+    shares.is_finite().then(|| [weights(shares.x_axis), weights(shares.y_axis)])
 }
 
 fn row_of(rows: &[[f32; 4]], row: usize) -> DVec4 {
@@ -115,16 +111,17 @@ mod tests {
             let found = seen(normal, at_px);
             let across =
                 |way: DVec2| (seen(normal, at_px + way * step).at - seen(normal, at_px - way * step).at) / (2.0 * step);
-            for (change, way) in [(found.dx, DVec2::X), (found.dy, DVec2::Y)] {
+            let changes = found.changes.expect("a facet seen from above");
+            for (change, way) in changes.into_iter().zip([DVec2::X, DVec2::Y]) {
                 assert!((change - across(way)).length() < 1e-6 * change.length(), "{change} {}", across(way));
             }
         }
     }
 
-    /// z = x/8 but for what is added: its normal is (-1/8, 0, 1).
+    /// z = x/8 but for what is added: its normal is along (-1/8, 0, 1), the sides being 2 and 1 long.
     #[test]
     fn it_faces_as_the_ramp_does() {
         let facing = seen(DVec3::Z, DVec2::new(45.5, 42.25)).facing;
-        assert!((facing - DVec3::new(-0.125, 0.0, 1.0)).length() < 1e-12, "{facing}");
+        assert!((facing / 2.0 - DVec3::new(-0.125, 0.0, 1.0)).length() < 1e-12, "{facing}");
     }
 }

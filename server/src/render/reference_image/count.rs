@@ -2,7 +2,19 @@
 
 use displace_glsl::reference::relief::March;
 
+use super::Pixel;
 use crate::domain::image::MarchCounters;
+
+impl Extend<MarchCounters> for MarchCounters {
+    fn extend<T: IntoIterator<Item = MarchCounters>>(&mut self, more: T) {
+        for MarchCounters { rays, fetches, steps, cap_hits } in more {
+            self.rays += rays;
+            self.fetches += fetches;
+            self.steps += steps;
+            self.cap_hits += cap_hits;
+        }
+    }
+}
 
 /// Of a march.
 pub(super) fn one(march: &March) -> MarchCounters {
@@ -10,13 +22,13 @@ pub(super) fn one(march: &March) -> MarchCounters {
     MarchCounters { rays: 1, fetches: fetches.into(), steps: steps.into(), cap_hits: capped.into() }
 }
 
-pub(super) fn sum(all: impl IntoIterator<Item = MarchCounters>) -> MarchCounters {
-    all.into_iter().fold(MarchCounters::default(), |a, b| MarchCounters {
-        rays: a.rays + b.rays,
-        fetches: a.fetches + b.fetches,
-        steps: a.steps + b.steps,
-        cap_hits: a.cap_hits + b.cap_hits,
-    })
+/// Of each square of as many columns as there are rows.
+pub(super) fn of_squares(rows: &[Vec<Pixel>], side: usize) -> Vec<MarchCounters> {
+    let mut squares = vec![MarchCounters::default(); rows.first().map_or(0, Vec::len) / side];
+    for (x, pixel) in rows.iter().flat_map(|row| row.iter().enumerate()) {
+        squares[x / side].extend([pixel.marches]);
+    }
+    squares
 }
 
 /// As images hold it.

@@ -2,6 +2,8 @@
 
 use displace_glsl::reference::composite::MAX_LAYERS;
 
+use crate::domain::image::MarchCounters;
+
 pub(super) const NOTHING: u32 = u32::MAX;
 
 /// A triangle that a sample meets: reversed depth and id.
@@ -25,11 +27,14 @@ pub(super) struct Samples {
     pub(super) blended: [Vec<Seen>; 4],
     /// How often one was covered.
     pub(super) covered: u32,
+    /// That said how far away they are.
+    pub(super) marches: MarchCounters,
 }
 
 impl Default for Samples {
     fn default() -> Self {
-        Self { solid: [Seen { depth: -1.0, id: NOTHING }; 4], blended: Default::default(), covered: 0 }
+        let solid = [Seen { depth: -1.0, id: NOTHING }; 4];
+        Self { solid, blended: Default::default(), covered: 0, marches: MarchCounters::default() }
     }
 }
 

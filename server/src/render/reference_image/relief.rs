@@ -12,7 +12,6 @@ use displace_glsl::{
     reference::{
         relief::{
             March, ReliefMap, flat,
-            light::Start,
             pixel_ray::pixel_ray,
             relieve::{self, Struck},
         },
@@ -27,7 +26,7 @@ use crate::domain::{
     image::{RenderScene, SelfShadow, Silhouettes},
 };
 
-pub(super) use light::Shade;
+pub(super) use light::{Shade, left};
 
 /// The heights of a material.
 struct Heights {
@@ -43,7 +42,7 @@ pub(super) struct Relief {
     marcher: Option<&'static Marcher>,
     /// Of materials.
     heights: Vec<Option<Heights>>,
-    self_shadow: bool,
+    self_shadow: SelfShadow,
 }
 
 /// What relief makes of what is seen of a triangle.
@@ -65,17 +64,16 @@ pub(super) struct OnHeights {
     pub(super) position: DVec3,
     /// Towards the viewer's side, unit.
     pub(super) facing: DVec3,
-    pub(super) shade: Shade,
 }
 
 impl Relief {
     pub(super) fn new(scene: &RenderScene) -> Result<Self> {
         let heights = maps::heights(scene);
-        let marcher = scene.relief.method.marcher().filter(|_| heights.iter().any(Option::is_some));
+        let marcher = scene.marcher();
         if marcher.is_some() {
             check(scene)?;
         }
-        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow == SelfShadow::Hard })
+        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow })
     }
 
     pub(super) fn is_shown(&self) -> bool {
@@ -87,14 +85,16 @@ impl Relief {
         self.marcher.is_some_and(|marcher| marcher.finds_depth) && self.heights[material as usize].is_some()
     }
 
+    fn shows(&self, material: u32) -> Option<(&'static Marcher, &Heights)> {
+        self.marcher.zip(self.heights[material as usize].as_ref())
+    }
+
     /// Under a place of the image, by weights of the triangle there; -1 where its back is seen, which has none.
     pub(super) fn found(&self, place: &Place<'_>, (b, flip): (&Barycentrics, f64), at_px: [f64; 2]) -> Found {
         if flip < 0.0 {
             return Found::Base;
         }
-        let Some((marcher, heights)) = self.marcher.zip(self.heights[place.part.material as usize].as_ref()) else {
-            return Found::Base;
-        };
+        let Some((marcher, heights)) = self.shows(place.part.material) else { return Found::Base };
         let Some(base) = base(place, heights, b.at) else { return Found::Base };
         let (at_px, corner) = (DVec2::from_array(at_px), vec3(place.mesh.positions[place.vertices()[0]]));
         let ray = pixel_ray(place.rows, at_px, corner);
@@ -107,32 +107,20 @@ impl Relief {
         let Some(struck) = relieve::struck(&base, level, place.rows, (at_px, &ray), (&course, &march)) else {
             return Found::Missed(march);
         };
-        Found::Struck(Box::new(self.on_heights(place, heights, (base, marcher), (struck, march))))
-    }
-
-    fn on_heights(
-        &self,
-        place: &Place<'_>,
-        heights: &Heights,
-        (base, marcher): (flat::Base, &'static Marcher),
-        (struck, march): (Struck, March),
-    ) -> OnHeights {
-        let start = Start { place: march.place, z: base.under(struck.point).z, facing: struck.facing };
-        let marched = self.self_shadow.then(|| (marcher, Arc::clone(&heights.map)));
-        OnHeights {
+        Found::Struck(Box::new(OnHeights {
             position: place.world(4, struck.point.extend(1.0)),
             facing: unit_or_zero(place.world(7, struck.facing.extend(0.0))),
-            shade: Shade::new(place, base, start, heights.range.end, marched),
             struck,
             march,
-        }
+        }))
     }
 }
 
 impl OnHeights {
-    pub(super) fn weights(&self, clockwise: bool) -> Barycentrics {
-        let Struck { at, dx, dy, .. } = self.struck;
-        Barycentrics { at, dx, dy, clockwise }
+    /// Of the corners, where they were `base`.
+    pub(super) fn weights(&self, base: &Barycentrics) -> Barycentrics {
+        let [dx, dy] = self.struck.changes.unwrap_or([base.dx, base.dy]);
+        Barycentrics { at: self.struck.at, dx, dy, clockwise: base.clockwise }
     }
 
     /// Reversed.
@@ -164,17 +152,11 @@ fn base(place: &Place<'_>, heights: &Heights, at: DVec3) -> Option<flat::Base> {
 }
 
 fn check(scene: &RenderScene) -> Result<()> {
-    let refused = |field: &str, name: &str| {
-        let message = format!(
-            "is {name}, which device reference does not show yet: take another device, or leave {} none",
-            field.rsplit('.').next().unwrap_or(field)
-        );
-        Err(Error::unsupported(field, message))
+    let name = match scene.relief.silhouettes {
+        Silhouettes::None => return Ok(()),
+        Silhouettes::Shell => "shell",
+        Silhouettes::Quadric => "quadric",
     };
-    match (scene.relief.silhouettes, scene.relief.self_shadow) {
-        (Silhouettes::Shell, _) => refused("lighting.relief.silhouettes", "shell"),
-        (Silhouettes::Quadric, _) => refused("lighting.relief.silhouettes", "quadric"),
-        (Silhouettes::None, SelfShadow::Soft) => refused("lighting.relief.self_shadow", "soft"),
-        (Silhouettes::None, _) => Ok(()),
-    }
+    let message = format!("is {name}, which device reference does not show: take another device, or silhouettes none");
+    Err(Error::unsupported("lighting.relief.silhouettes", message))
 }

@@ -49,7 +49,7 @@ pub(super) struct Hit {
     pub(super) pixel: [u32; 2],
     /// Of interpolated normal and position, by pixels.
     pub(super) change: Change,
-    /// Of heights that were struck.
+    /// Of heights that take light from themselves.
     pub(super) shade: Option<Shade>,
     /// Over the heights there, met or missed.
     pub(super) march: Option<March>,
@@ -136,30 +136,29 @@ impl Shader {
         let march = found.march();
         let (position, normal) = (place.position(b.at), flip * place.normal(b.at));
         let base = Under { b, position, normal, facing: flip * place.front(), flip, shade: None, march };
-        match found {
+        let struck = match found {
             Found::Base | Found::Missed(_) => base,
             Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
-            Found::Struck(on) => Under {
-                b: on.weights(b.clockwise),
-                position: on.position,
-                facing: on.facing,
-                shade: Some(on.shade),
-                ..base
-            },
-        }
+            Found::Struck(on) => Under { b: on.weights(&b), position: on.position, facing: on.facing, ..base },
+        };
+        let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at) } else { None };
+        Under { shade, ..struck }
     }
 
-    /// Reversed depth of what is seen of a triangle there, `base` without relief; none where its relief is missed.
-    pub(super) fn depth(&self, place: &Place<'_>, at_px: [f64; 2], base: f64) -> Option<f64> {
+    /// What a march finds of a triangle there, and the reversed depth of that, `base` without relief; none where it is
+    /// missed.
+    pub(super) fn depth(&self, place: &Place<'_>, at_px: [f64; 2], base: f64) -> (Option<f64>, Option<March>) {
         if !self.relief.finds_depth(place.part.material) {
-            return Some(base);
+            return (Some(base), None);
         }
         let (b, flip) = seen(place, at_px);
-        match self.relief.found(place, (&b, flip), at_px) {
+        let found = self.relief.found(place, (&b, flip), at_px);
+        let depth = match &found {
             Found::Base | Found::Shifted(..) => Some(base),
             Found::Missed(_) => None,
-            Found::Struck(on) => Some(on.depth()),
-        }
+            Found::Struck(on) => Some(on.depth().clamp(0.0, 1.0)),
+        };
+        (depth, found.march())
     }
 
     /// The alpha of a place, at the finest level of its map.

@@ -1,59 +1,65 @@
 //! Light that heights take from themselves.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use displace_glsl::{
     methods::Marcher,
-    reference::relief::{
-        ReliefMap,
-        flat::Base,
-        light::{Start, Way, way},
-    },
+    reference::relief::{Course, ReliefMap, flat::Base, light, soft_shadow},
 };
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
-use crate::render::reference_image::place::Place;
+use super::{Relief, base};
+use crate::{domain::image::SelfShadow, render::reference_image::place::Place};
 
-/// What is between what was struck and lights.
+/// What is between a place of heights and lights.
 pub(in crate::render::reference_image) struct Shade {
     base: Base,
-    start: Start,
-    high: f64,
+    place: DVec2,
+    map: Arc<ReliefMap>,
+    heights: Range<f64>,
     mesh_from_world: DMat3,
-    /// What marches; none where heights take no light from themselves.
-    marched: Option<(&'static Marcher, Arc<ReliefMap>)>,
+    /// Whether a way is met, by this; else how much arrives over it.
+    hard: Option<&'static Marcher>,
+}
+
+impl Relief {
+    /// At weights of a triangle that is seen from the front; none where heights take no light from themselves.
+    pub(in crate::render::reference_image) fn shade(&self, at: &Place<'_>, weights: DVec3) -> Option<Shade> {
+        let (marcher, heights) = self.shows(at.part.material)?;
+        let hard = match self.self_shadow {
+            SelfShadow::None => return None,
+            SelfShadow::Hard => Some(marcher),
+            SelfShadow::Soft => None,
+        };
+        let base = base(at, heights, weights.max(DVec3::ZERO))?;
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| at.world(4, axis.extend(0.0)));
+        let mesh_from_world = DMat3::from_cols(axes[0], axes[1], axes[2]).inverse();
+        let (map, range) = (Arc::clone(&heights.map), heights.range.clone());
+        Some(Shade { place: base.place(weights), base, map, heights: range, mesh_from_world, hard })
+    }
 }
 
 impl Shade {
-    pub(super) fn new(
-        place: &Place<'_>,
-        base: Base,
-        start: Start,
-        high: f64,
-        marched: Option<(&'static Marcher, Arc<ReliefMap>)>,
-    ) -> Self {
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place.world(4, axis.extend(0.0)));
-        let mesh_from_world = DMat3::from_cols(axes[0], axes[1], axes[2]).inverse();
-        Self { base, start, high, mesh_from_world, marched }
+    /// Of a light along a direction in the world, how much arrives.
+    pub(in crate::render::reference_image) fn share(&self, direction: DVec3) -> f64 {
+        let direction = (self.mesh_from_world * direction).normalize();
+        let course = light::course(&self.base, &self.map.level, self.place, direction, &self.heights);
+        course.map_or(0.0, |course| self.over(&course))
     }
 
-    /// By a march along a unit direction in the world, to a light so far away.
-    pub(in crate::render::reference_image) fn stops(&self, direction: DVec3, end: f64) -> bool {
-        let Some((marcher, map)) = &self.marched else { return false };
-        match way(&self.base, &self.start, self.mesh_from_world * direction, self.high, end) {
-            Way::Dark => true,
-            Way::Clear => false,
-            Way::Over(course) => (marcher.twin)(map, &course, marcher.setting.into()).is_hit(),
-        }
+    fn over(&self, course: &Course) -> f64 {
+        let Some(marcher) = self.hard else { return soft_shadow::share(&self.map, course) };
+        let is_met = (marcher.twin)(&self.map, course, marcher.setting.into()).is_hit();
+        if is_met { 0.0 } else { 1.0 }
     }
+}
 
-    /// How far along a unit direction in the world the base has been passed, which is no obstacle to what lies below it;
-    /// none where it is not.
-    pub(in crate::render::reference_image) fn passed(&self, direction: DVec3) -> Option<f64> {
-        let rise = self.base.along(self.mesh_from_world * direction).z;
-        if self.start.z >= 0.0 {
-            return Some(0.0);
-        }
-        (rise > 0.0).then(|| -self.start.z / rise)
+/// What is left of what arrives of a light, as `arriving_of` reads it: the twin of `self_shadow`.
+pub(in crate::render::reference_image) fn left(stored: f64, share: f64) -> f64 {
+    if stored >= 0.0 {
+        return stored * share;
     }
+    // Of a light's samples as many as the share is of all.
+    let kept = (1u32 << (share * 16.0).round() as u32) - 1;
+    -1.0 - f64::from((-1.0 - stored) as u32 & kept)
 }
