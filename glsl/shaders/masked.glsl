@@ -42,13 +42,17 @@ void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Material m = LOAD(materials, point.material);
     Fragment fragment = LOAD(fragments, i);
+    // What relief has left nothing of.
+    if (point.id == NOTHING) {
+        return;
+    }
     ivec2 pixel = ivec2(floor(fragment.at_px));
     int s = int((fragment.at_px.y - float(pixel.y)) * 4.0);
     bool stochastic = (m.flags & MATERIAL_STOCHASTIC) != 0u;
-    if (alpha_of(point, m, i) < (stochastic ? threshold_of(pixel, s, fragment.id) : m.alpha_cutoff)) {
+    if (alpha_of(point, m, i) < (stochastic ? threshold_of(pixel, s, point.id) : m.alpha_cutoff)) {
         return;
     }
-    write_visibility(fragment.id, sample_place(pixel, s), fragment.extra);
+    write_visibility(point.id, sample_place(pixel, s), point.covered);
 }
 
 #include "batch.glsl"

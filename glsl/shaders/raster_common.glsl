@@ -21,6 +21,7 @@ layout(push_constant, scalar) uniform RasterParams {
     ivec2 slab_px;
     ivec2 slab_size_px;
     uint stage; // of keys that are written by halves
+    uint all_depths; // whether samples are kept that what is known hides: where relief decides how far away they are
 } params;
 
 #ifdef COUNTED
@@ -40,7 +41,7 @@ PAGED(1, , uint, fragment_count);
 PAGED(2, writeonly, Fragment, fragments);
 
 void cover_sample(uint id, ivec2 pixel, int s, float depth) {
-    if (!may_be_visible(sample_place(pixel, s), floatBitsToUint(depth))) {
+    if (params.all_depths == 0u && !may_be_visible(sample_place(pixel, s), floatBitsToUint(depth))) {
         return;
     }
     uint place = atomicAdd(ELEMENT(fragment_count, 0u), 1u);

@@ -125,6 +125,7 @@ mirrors! {
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
         pub stage: u32,
+        pub all_depths: u32,
     }
 
     pub struct ClipParams {

@@ -54,6 +54,14 @@ mirrors! {
         pub level: ReliefLevel,
     }
 
+    pub struct RelieveParams {
+        pub count: u32,
+        pub uv_channels: u32,
+        pub finds_depth: u32,
+        pub has_outlines: u32,
+        pub tests: u32,
+    }
+
     /// Push constants of every pass that makes courses.
     pub struct CourseParams {
         pub count: u32,

@@ -8,6 +8,7 @@ mod layers;
 pub(crate) mod light;
 mod projected;
 pub(crate) mod proxies;
+pub(crate) mod relief;
 pub(crate) mod shading;
 mod shadow_map;
 mod shells;
@@ -62,6 +63,7 @@ pub fn render(
     let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
+        streams.relief.record_maps(recorder, &tables.relief)?;
         streams.record_light(recorder)
     })?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;

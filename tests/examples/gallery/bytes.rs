@@ -70,7 +70,7 @@ fn kilobytes(bytes: f64) -> String {
 const HEAD: &str = "<section id=\"bytes\">\n<h2>A base and its map, or the mesh they make</h2>\n\
 <p class=\"lead\">West's hope was to use basic geometry in a scene to form complex shapes at render time, and therefore save on large \
 scene files. Bytes of the base mesh and the height map as PNG, beside the displaced mesh as GLB, with how many times as \
-many that is. The tolerance is a share of the scene's diagonal. At 1e-3 a packed mesh of the brick wall weighs half of what its map does; at \
-1e-4, a 28th of a texel, the map wins six times over. Packed positions lie on a grid of 16 bits, for \
-which the same tolerance asks for up to a sixth more triangles; from 65 536 vertices on their indices are twice as long.</p>\n<div class=\"wide\"><table>\n<tr><th>scene</th>\
+many that is. The tolerance is a share of the scene's diagonal. At 1e-3 the packed wall of bricks weighs little more than half of its map; at \
+1e-4, a 28th of a texel, nearly four times as much. Packed positions lie on a grid of 16 bits, for \
+which the same tolerance asks for up to a third more triangles; from 65 536 vertices on their indices are twice as long.</p>\n<div class=\"wide\"><table>\n<tr><th>scene</th>\
 <th>base and map</th><th>tolerance</th><th>triangles</th><th>plain</th><th>quantize</th><th>meshopt</th></tr>\n";

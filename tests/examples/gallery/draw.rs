@@ -36,8 +36,11 @@ impl<'a> Drawing<'a> {
     pub(crate) fn draw(&mut self, picture: &Picture) -> Result<()> {
         let Some(raw) = self.raw(picture)? else { return Ok(()) };
         let shown = pixels::read(&raw)?;
-        let is_map = matches!(picture.source, Source::Map(_));
-        self.keep(&picture.name, if is_map { pixels::colored(&shown)? } else { pixels::indexed(&shown)? })?;
+        let small = match &picture.source {
+            Source::Map(_) => pixels::colored(&shown)?,
+            _ => pixels::indexed(&shown, colors_of(&picture.name))?,
+        };
+        self.keep(&picture.name, small)?;
         if let Some(truth) = &picture.against {
             self.compare(picture, truth, &raw)?;
         }
@@ -79,7 +82,7 @@ impl<'a> Drawing<'a> {
         self.figures.insert(format!("{} flip", picture.name), (mean * 1e4).round() / 1e4);
         let shown = pixels::read(&difference)?;
         let half = imageops::resize(&shown, shown.width() / 2, shown.height() / 2, imageops::FilterType::Triangle);
-        self.keep(&difference_of(&picture.name), pixels::indexed(&half)?)
+        self.keep(&difference_of(&picture.name), pixels::indexed(&half, 20)?)
     }
 
     fn keep(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
@@ -87,6 +90,16 @@ impl<'a> Drawing<'a> {
         fs::create_dir_all(file.parent().ok_or("a picture lies in a folder")?)?;
         fs::write(file, bytes)?;
         Ok(())
+    }
+}
+
+/// Pictures that are compared are many, and of few hues.
+fn colors_of(name: &str) -> usize {
+    let topic = name.split('/').next().unwrap_or_default();
+    match topic {
+        "brick" | "rock" | "tiles" | "cube" => 44,
+        "failures" => 80,
+        _ => 128,
     }
 }
 

@@ -6,7 +6,7 @@ use displace_tests::{
     data::sample,
     maps::{hash, png16},
 };
-use image::{GrayImage, Luma, Rgb, Rgb32FImage, RgbImage, RgbaImage, codecs::hdr::HdrEncoder};
+use image::{GrayImage, Luma, Rgb, Rgb32FImage, RgbImage, RgbaImage, codecs::hdr::HdrEncoder, imageops};
 
 use crate::Result;
 
@@ -76,12 +76,12 @@ fn wall(x: f64, y: f64) -> (f64, f64, f64) {
 fn brick(x: f64, y: f64) -> f64 {
     let (column, row, edge) = wall(x, y);
     let top = 0.86 + 0.14 * chance(column, row, 1);
-    0.03 * chance(x, y, 2) + 0.94 * top * ramp(0.4, 3.2, edge)
+    0.012 * chance(x, y, 2) + 0.958 * top * ramp(0.4, 3.2, edge)
 }
 
 fn brick_color(x: f64, y: f64) -> [f64; 3] {
     let (column, row, edge) = wall(x, y);
-    let (tone, grain) = (chance(column, row, 3), 0.05 * (chance(x, y, 4) - 0.5));
+    let (tone, grain) = (chance(column, row, 3), 0.02 * (chance(x, y, 4) - 0.5));
     let clay = [0.62 + 0.2 * tone, 0.30 + 0.13 * tone, 0.22 + 0.09 * tone];
     let is_mortar = 1.0 - ramp(0.8, 2.4, edge);
     [0, 1, 2].map(|k| clay[k] + grain + is_mortar * (0.72 - clay[k]))
@@ -214,7 +214,7 @@ fn ripple(x: f64, _: f64) -> [f64; 3] {
 fn rock(folder: &Path) -> Result<()> {
     let mut picture = image::open(sample("maps/rock_color.jpg"))?.to_rgb8();
     picture.pixels_mut().for_each(|pixel| pixel.0 = pixel.0.map(|c| c.saturating_mul(2)));
-    picture.save(folder.join("rock_light.png"))?;
+    imageops::blur(&picture, 2.0).save(folder.join("rock_light.png"))?;
     Ok(())
 }
 
@@ -237,7 +237,7 @@ fn globe(folder: &Path) -> Result<()> {
         let (a, b) = (x % 64, y % 64);
         let is_letter = (16..26).contains(&a) && (10..54).contains(&b)
             || (26..48).contains(&a) && ((10..20).contains(&b) || (27..36).contains(&b));
-        let (hue, light) = (f64::from(x / 64) * 0.7854, 0.75 - 0.12 * f64::from(y / 64));
+        let (hue, light) = (f64::from(x / 64) * std::f64::consts::FRAC_PI_4, 0.75 - 0.12 * f64::from(y / 64));
         let ink = if is_letter { 0.25 } else { 1.0 };
         Rgb([0.0, 1.0, 2.0].map(|k| byte(ink * light * (0.72 + 0.28 * (hue - 2.1 * k).cos()))))
     };

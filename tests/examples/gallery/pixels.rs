@@ -1,4 +1,4 @@
-//! Pictures made small: a palette of 256 colours by median cut (Heckbert 1982), in an indexed PNG.
+//! Pictures made small: a palette of few colours by median cut (Heckbert 1982), in an indexed PNG.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -19,12 +19,12 @@ pub(crate) fn colored(picture: &RgbImage) -> Result<Vec<u8>> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::High);
     encoder.write_header()?.write_image_data(picture.as_raw())?;
-    if bytes.len() > 50_000 { indexed(picture) } else { Ok(bytes) }
+    if bytes.len() > 50_000 { indexed(picture, 256) } else { Ok(bytes) }
 }
 
-/// A PNG of at most 256 colours, none of them dithered.
-pub(crate) fn indexed(picture: &RgbImage) -> Result<Vec<u8>> {
-    let palette = Palette::of(picture);
+/// A PNG of at most so many colours, 256 or fewer, none of them dithered.
+pub(crate) fn indexed(picture: &RgbImage, most: usize) -> Result<Vec<u8>> {
+    let palette = Palette::of(picture, most);
     let indices: Vec<u8> = picture.pixels().map(|pixel| palette.index_of[&pixel.0]).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
@@ -47,13 +47,13 @@ struct Palette {
 type Counted = ([u8; 3], u64);
 
 impl Palette {
-    fn of(picture: &RgbImage) -> Self {
+    fn of(picture: &RgbImage, most: usize) -> Self {
         let mut counts = BTreeMap::new();
         for pixel in picture.pixels() {
             *counts.entry(pixel.0).or_insert(0u64) += 1;
         }
         let mut boxes: Vec<Vec<Counted>> = vec![counts.into_iter().collect()];
-        while boxes.len() < 256 {
+        while boxes.len() < most {
             let spreads = boxes.iter().map(|colors| spread(colors).1);
             let widest = spreads.enumerate().max_by_key(|&(at, spread)| (spread, std::cmp::Reverse(at)));
             let Some((at, 1..)) = widest else { break };

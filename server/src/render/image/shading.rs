@@ -25,7 +25,7 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, Slab, bump, layers, light, projected, proxies, shadow_map,
+    Frame, Run, Slab, bump, layers, light, projected, proxies, relief, shadow_map,
     streams::{OccluderStreams, WorkStreams},
     visibility::fragment_count,
 };
@@ -89,6 +89,7 @@ pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, 
         return Ok(());
     }
     record_surface(recorder, frame, count)?;
+    relief::record(recorder, frame, count, false)?;
     (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
     record_look(recorder, frame, count)?;
     bump::record(recorder, frame, count)

@@ -28,6 +28,7 @@ use super::{
     bump::BumpStreams,
     environment::{self, EnvironmentStreams},
     projected::ProjectedStreams,
+    relief::{MarchStreams, ReliefStreams},
     silhouettes::SilhouetteStreams,
     tables::Tables,
     textures::Textures,
@@ -60,6 +61,7 @@ pub(crate) struct SceneStreams {
     pub(crate) materials: Stream,
     pub(crate) texture_uses: Stream,
     pub(crate) bump: BumpStreams,
+    pub(crate) relief: ReliefStreams,
     pub(crate) lights: Stream,
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
@@ -131,6 +133,7 @@ impl SceneStreams {
             materials: Stream::from_slice(device, "materials", &tables.materials)?,
             texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
             bump: BumpStreams::upload(device, &tables.bump)?,
+            relief: ReliefStreams::upload(device, &tables.relief)?,
             lights: Stream::from_slice(device, "lights", &tables.lights)?,
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,
@@ -258,6 +261,7 @@ pub(crate) struct WorkStreams {
     /// Of formulas along two sides of each fragment's triangle; empty where none bends normals.
     pub(crate) rises: Stream,
     pub(crate) projected: ProjectedStreams,
+    pub(crate) march: MarchStreams,
     pub(crate) appearances: Stream,
     /// How the normals of each fragment scatter; empty without moments.
     pub(crate) spreads: Stream,
@@ -352,6 +356,7 @@ impl WorkStreams {
             mapped: mapped(device, scene, fragments)?,
             rises: new("rises", 8, if tables.bump.formulas.is_empty() { 0 } else { fragments })?,
             projected: ProjectedStreams::new(device, scene, fragments)?,
+            march: MarchStreams::new(device, &tables.relief, fragments)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
             spreads: new("spreads", size_of::<Spread>(), if scene.has_map(MAP_NORMAL_MOMENTS) { samples } else { 0 })?,
             shadows: new(

@@ -10,7 +10,7 @@ use displace_glsl::layout::raster::{
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-use super::{bump::BumpTables, proxies};
+use super::{bump::BumpTables, proxies, relief::ReliefTables};
 use crate::domain::{
     Error, Result,
     detail::Wrap,
@@ -35,6 +35,7 @@ pub(crate) struct Tables {
     /// `MAP_SLOTS` for each material, without their levels.
     pub(crate) texture_uses: Vec<TextureUse>,
     pub(crate) bump: BumpTables,
+    pub(crate) relief: ReliefTables,
     pub(crate) lights: Vec<Light>,
     pub(crate) meshes: Vec<MeshPlace>,
     pub(crate) batches: Vec<Batch>,
@@ -82,6 +83,7 @@ impl Tables {
             materials: scene.materials.iter().map(material).collect(),
             texture_uses: scene.materials.iter().flat_map(|m| &m.maps).map(texture_use).collect(),
             bump: BumpTables::new(scene)?,
+            relief: ReliefTables::new(scene)?,
             lights: scene.lighting.lights.iter().map(light).collect(),
             meshes: places(&scene.meshes),
             batches: vec![Batch::default()],

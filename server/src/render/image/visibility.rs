@@ -15,7 +15,7 @@ use crate::{domain::Result, vulkan::Stream};
 use super::{
     Frame, Run, Slab,
     layers::Layer,
-    shading,
+    relief, shading,
     streams::{LARGE_CHUNK, PAIR_CHUNK, RANGE_TRIANGLES, SceneStreams, WorkStreams},
     tables::Batch,
 };
@@ -213,6 +213,7 @@ impl<'a> Job<'a, '_> {
             slab_px,
             slab_size_px,
             stage: self.keys.stage(),
+            all_depths: u32::from(self.frame.scene.marcher().is_some_and(|marcher| marcher.finds_depth)),
         }
     }
 
@@ -360,6 +361,7 @@ impl<'a> Job<'a, '_> {
         let frame = self.frame;
         self.run.record(|recorder| {
             shading::record_surface(recorder, frame, count)?;
+            relief::record(recorder, frame, count, true)?;
             shading::record_map(recorder, frame, MAP_BASE_COLOR, count)?;
             let bound = [
                 ("visibility", &work.visibility),

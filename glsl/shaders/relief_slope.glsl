@@ -1,0 +1,21 @@
+// How steep the bilinear heights are. Needs `relief_levels`, `texels`; include after tiled.glsl.
+
+float relief_height(Relief relief, ReliefLevel level, ivec2 texel) {
+    ivec2 size = ivec2(level.size);
+    int x = tiled(texel.x, size.x, relief.wrap & 3u);
+    int y = tiled(texel.y, size.y, relief.wrap >> 2);
+    uint at = level.height_first + uint(y * size.x + x);
+    return LOAD_TEXEL(at);
+}
+
+// Mesh-local units per texel of the level, along x and y.
+vec2 slope_at(Relief relief, uint level_index, vec2 place) {
+    ReliefLevel level = LOAD(relief_levels, relief.level_first + level_index);
+    ivec2 cell = ivec2(floor(place));
+    vec2 f = place - floor(place);
+    float a = relief_height(relief, level, cell);
+    float b = relief_height(relief, level, cell + ivec2(1, 0));
+    float c = relief_height(relief, level, cell + ivec2(0, 1));
+    float d = relief_height(relief, level, cell + ivec2(1, 1));
+    return vec2(mix(b - a, d - c, f.y), mix(c - a, d - b, f.x));
+}
