@@ -23,6 +23,8 @@ const uint PART_MASKED = 4u;
 const uint PART_COLORED = 8u;
 // It is seen through: drawn in layers, after all else.
 const uint PART_BLENDED = 16u;
+// Where on it is seen, its heights decide.
+const uint PART_RELIEF = 64u;
 // Others are drawn in its place.
 const uint PART_UNSEEN = 32u;
 

@@ -19,3 +19,14 @@ vec2 slope_at(Relief relief, uint level_index, vec2 place) {
     float d = relief_height(relief, level, cell + ivec2(1, 1));
     return vec2(mix(b - a, d - c, f.y), mix(c - a, d - b, f.x));
 }
+
+// Mesh-local units.
+float height_at_place(Relief relief, uint level_index, vec2 place) {
+    ReliefLevel level = LOAD(relief_levels, relief.level_first + level_index);
+    ivec2 cell = ivec2(floor(place));
+    vec2 f = place - floor(place);
+    float top = mix(relief_height(relief, level, cell), relief_height(relief, level, cell + ivec2(1, 0)), f.x);
+    float bottom =
+        mix(relief_height(relief, level, cell + ivec2(0, 1)), relief_height(relief, level, cell + ivec2(1, 1)), f.x);
+    return mix(top, bottom, f.y);
+}

@@ -92,8 +92,12 @@ Crossing crossing(Sheared ray, uint first_corner) {
     return Crossing(t > 0.0 && t < ray.end, weights);
 }
 
-bool is_opaque(uint id, vec3 weights) {
+bool is_opaque(uint id, vec3 weights, uint material) {
     FIND_PART(id, 0u, params.part_last, part)
+    // What relief keeps off of itself, marches tell; its triangles are not where it is seen.
+    if ((part.flags & PART_RELIEF) != 0u && part.material == material) {
+        return false;
+    }
     if ((part.flags & (PART_MASKED | PART_BLENDED)) == 0u) {
         return true;
     }
@@ -117,11 +121,11 @@ bool is_opaque(uint id, vec3 weights) {
     return alpha >= m.alpha_cutoff;
 }
 
-bool stops(Sheared ray, uint first) {
+bool stops(Sheared ray, uint first, uint material) {
     [[dont_unroll]] for (uint k = 0u; k < 256u; ++k) {
         uint occluder = LOAD(occluders, first + k);
         Crossing found = crossing(ray, (first + k) * 3u);
-        if (found.exists && is_opaque(occluder >> 1, found.weights)) {
+        if (found.exists && is_opaque(occluder >> 1, found.weights, material)) {
             return true;
         }
         if ((occluder & 1u) != 0u) {
@@ -142,7 +146,7 @@ bool meets(BvhNode node, vec3 origin, vec3 inverse, float end) {
 }
 
 // Nodes lie in the order of a walk: into a node is the next, past it is `skip`.
-bool is_stopped(vec3 origin, vec3 direction, float end) {
+bool is_stopped(vec3 origin, vec3 direction, float end, uint material) {
     Sheared ray = sheared(origin, direction, end);
     // Along a plane of a box, 0 times infinity would be no number.
     vec3 inverse = mix(vec3(1.0), vec3(-1.0), lessThan(direction, vec3(0.0))) / max(abs(direction), vec3(1e-20));
@@ -150,7 +154,7 @@ bool is_stopped(vec3 origin, vec3 direction, float end) {
     [[dont_unroll]] for (uint step = 0u; step < params.nodes && n < params.nodes; ++step) {
         BvhNode node = LOAD(nodes, n);
         bool met = meets(node, origin, inverse, end);
-        if (met && node.first != BVH_INNER && stops(ray, node.first)) {
+        if (met && node.first != BVH_INNER && stops(ray, node.first, material)) {
             return true;
         }
         n = met ? n + 1u : node.skip;
@@ -162,7 +166,7 @@ void element(uint i) {
     SurfacePoint point = LOAD(points, i / params.lights);
     vec4 aim = LOAD(aims, i);
     vec3 origin = point.position + point.facing * params.offset_world;
-    if (aim.w > 0.0 && !is_stopped(origin, aim.xyz, aim.w)) {
+    if (aim.w > 0.0 && !is_stopped(origin, aim.xyz, aim.w, point.material)) {
         float seen = LOAD(shadows, i);
         STORE(shadows, i, seen < 0.0 ? seen - float(1u << params.k) : 1.0);
     }

@@ -261,6 +261,7 @@ pub const PART_DOUBLE_SIDED: u32 = 2;
 pub const PART_MASKED: u32 = 4;
 pub const PART_COLORED: u32 = 8;
 pub const PART_BLENDED: u32 = 16;
+pub const PART_RELIEF: u32 = 64;
 pub const PART_UNSEEN: u32 = 32;
 
 /// Rows of `instance_rows` for each instance.

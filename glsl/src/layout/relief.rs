@@ -62,6 +62,25 @@ mirrors! {
         pub tests: u32,
     }
 
+    pub struct CourseLightParams {
+        pub count: u32,
+        pub uv_channels: u32,
+        pub light: u32,
+    }
+
+    pub struct SelfShadowParams {
+        pub count: u32,
+        pub lights: u32,
+        pub light: u32,
+        pub soft: u32,
+    }
+
+    pub struct TallyParams {
+        pub count: u32,
+        pub slab_px: [i32; 2],
+        pub slab_size_px: [i32; 2],
+    }
+
     /// Push constants of every pass that makes courses.
     pub struct CourseParams {
         pub count: u32,

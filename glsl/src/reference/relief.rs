@@ -6,6 +6,8 @@
 
 pub mod cone;
 pub mod exact;
+pub mod flat;
+pub mod light;
 pub mod occlusion;
 #[cfg(test)]
 mod outline;
@@ -16,6 +18,7 @@ pub mod pixel_ray;
 pub mod quadric;
 #[expect(clippy::module_inception, reason = "a twin is called as its pass")]
 pub mod relief;
+pub mod relieve;
 pub mod search;
 pub mod shell;
 pub mod steep;

@@ -81,7 +81,7 @@ impl RenderScene {
                 .sum(),
             has_colors: self.meshes.iter().any(|mesh| !mesh.colors.is_empty()),
             uv_channels: self.uv_channels,
-            shadow_lights: if self.shadows == Shadows::None { 0 } else { self.lighting.lights.len() as u32 },
+            shadow_lights: if self.has_shadows() { self.lighting.lights.len() as u32 } else { 0 },
             shadow_map_texels: if self.shadows == Shadows::Map { shadow_map::texels(&self.lighting.lights) } else { 0 },
             has_occluders: self.shadows == Shadows::Ray,
             environment: self.lighting.environment.as_ref().map(|map| [map.width, map.height]),
@@ -107,6 +107,13 @@ impl RenderScene {
     pub fn marcher(&self) -> Option<&'static displace_glsl::methods::Marcher> {
         let has_relief = self.materials.iter().any(|material| material.relief.is_some());
         self.relief.method.marcher().filter(|_| has_relief)
+    }
+
+    /// Whether what arrives of lights is told for each fragment.
+    #[must_use]
+    pub fn has_shadows(&self) -> bool {
+        let in_relief = self.marcher().is_some() && self.relief.self_shadow != SelfShadow::None;
+        self.shadows != Shadows::None || in_relief
     }
 
     /// Whether any material has a map in this place of its `maps`.

@@ -88,6 +88,7 @@ pub fn render(
         }
         shading::shade(&mut run, &frame, *slab)?;
         shading::copy_out(&work, *slab, side, &mut images)?;
+        relief::copy_costs(&frame, *slab, &mut images)?;
         job.progress.pass("image", done as u64 + 1, slabs.len() as u64);
     }
     Ok((images, run.times))
@@ -171,7 +172,7 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
         triangle: wants(Aov::Triangle).then(|| vec![u32::MAX; pixels]),
         overdraw: wants(Aov::Overdraw).then(|| vec![0; pixels]),
         samples: wants(Aov::Samples).then(|| vec![0; pixels]),
-        cost: None,
+        cost: wants(Aov::Cost).then(|| vec![[0.0; 3]; pixels]),
         counters: None,
         clip_from_world: Some(scene.camera.clip_from_world()),
         layers_left_out: false,

@@ -2,11 +2,13 @@
 //! no slabs. Coverage is decided in 128-bit integers. A plan with rays is the image oracle's.
 
 mod bump;
+mod count;
 mod layers;
 mod light;
 mod place;
 mod preimage;
 mod projected;
+mod relief;
 mod shading;
 mod shadow_map;
 
@@ -29,9 +31,9 @@ use rayon::prelude::{IntoParallelIterator, IntoParallelRefIterator, ParallelIter
 use crate::{
     domain::{
         Result,
-        image::{ImagePlan, ImageSet, RenderMesh, RenderScene},
+        image::{ImagePlan, ImageSet, MarchCounters, RenderMesh, RenderScene},
         report::PassTime,
-        request::{Rays, Shadows},
+        request::{Aov, Rays, Shadows},
     },
     oracle::{
         self,
@@ -82,14 +84,18 @@ fn rasterised(job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Re
     job.cancel.check()?;
     let bands = bands(&triangles, fine.height);
     let fine_row = |y: u32| oracle.row(y, &triangles, &bands[(y / BAND_ROWS) as usize]);
-    let rows: Vec<Vec<Pixel>> = (0..plan.height)
+    let (rows, marches): (Vec<Vec<Pixel>>, Vec<MarchCounters>) = (0..plan.height)
         .into_par_iter()
         .map(|y| {
             job.cancel.check()?;
-            Ok(averaged((y * side..(y + 1) * side).map(fine_row).collect(), side as usize))
+            let rows: Vec<Vec<Pixel>> = (y * side..(y + 1) * side).map(fine_row).collect();
+            let marches = count::sum(rows.iter().flatten().map(|pixel| pixel.marches));
+            Ok((averaged(rows, side as usize), marches))
         })
         .collect::<Result<_>>()?;
     let mut images = empty_images(plan, scene);
+    images.cost = scene.aovs.contains(&Aov::Cost).then(|| vec![[0.0; 3]; images.color.len()]);
+    images.counters = oracle.shader.relief.is_shown().then(|| count::sum(marches));
     rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
     job.progress.pass("image", 1, 1);
     Ok(images)
@@ -129,6 +135,7 @@ struct Pixel {
     depth: f64,
     /// How often its samples are covered, and how many triangles they show.
     counts: [u32; 2],
+    marches: MarchCounters,
     layers_left_out: bool,
 }
 
@@ -137,6 +144,7 @@ impl Pixel {
         images.layers_left_out |= self.layers_left_out;
         set(&mut images.overdraw, i, self.counts[0]);
         set(&mut images.samples, i, self.counts[1]);
+        set(&mut images.cost, i, count::cost(&self.marches));
         images.color[i] = self.color.as_vec3().extend(1.0).to_array();
         let Some((id, hit)) = self.hit else { return };
         set(&mut images.depth, i, self.depth as f32);
@@ -165,7 +173,7 @@ impl<'a> Oracle<'a> {
     fn new(plan: &ImagePlan, scene: &'a RenderScene, reflections: &[Reflection]) -> Result<Self> {
         let tables = Tables::new(plan, scene)?;
         let light = LightModel::new(plan, scene, &tables, reflections)?;
-        Ok(Self { scene, tables, width: plan.width, shader: Shader::new(scene), light })
+        Ok(Self { scene, tables, width: plan.width, shader: Shader::new(scene)?, light })
     }
 
     fn rows(&self, part: &Part) -> &[[f32; 4]] {
@@ -236,36 +244,48 @@ impl<'a> Oracle<'a> {
                 if !piece.triangle.covers(at) {
                     continue;
                 }
-                let (new, known) = (Seen { depth: piece.triangle.depth_at(at), id: piece.id }, &mut seen[x as usize]);
+                let (id, known) = (piece.id, &mut seen[x as usize]);
                 known.covered += 1;
+                let place = [x as u32, y];
+                let Some(depth) = self.depth(id, place, s, piece.triangle.depth_at(at)) else { continue };
+                let new = Seen { depth, id };
                 if is_blended {
                     known.blended[s].push(new);
-                } else if new.is_before(&known.solid[s]) && self.is_kept(piece.id, [x as u32, y], s) {
+                } else if new.is_before(&known.solid[s]) && self.is_kept(id, place, s) {
                     known.solid[s] = new;
                 }
             }
         }
     }
 
+    /// What sample `s` of a pixel sees of a triangle; of relief what it strikes, if anything.
+    fn depth(&self, id: u32, pixel: [u32; 2], s: usize, base: f64) -> Option<f64> {
+        if !self.shader.relief.is_shown() {
+            return Some(base);
+        }
+        let part = self.part(id);
+        self.shader.depth(&self.place(part, id), of_sample(pixel, s), base)
+    }
+
     /// By sample `s` of a pixel, before depth is decided.
     fn is_kept(&self, id: u32, pixel: [u32; 2], s: usize) -> bool {
         let part = self.part(id);
-        if part.flags & PART_MASKED == 0 {
+        let material = &self.tables.materials[part.material as usize];
+        if part.flags & PART_MASKED == 0 || material.alpha_cutoff <= 0.0 {
             return true;
         }
-        let material = &self.tables.materials[part.material as usize];
         let by_chance = material.flags & MATERIAL_STOCHASTIC != 0;
         let cutoff = if by_chance { threshold(pixel, s as u32, id) } else { f64::from(material.alpha_cutoff) };
-        let at_px = [0, 1].map(|axis| f64::from(pixel[axis]) + SAMPLES[s][axis] as f64 / 256.0);
-        self.hit(id, at_px).look.base.w >= cutoff
+        self.hit(id, of_sample(pixel, s)).look.base.w >= cutoff
     }
 
     fn pixel(&self, x: u32, y: u32, samples: &Samples) -> Pixel {
         let (layers, layers_left_out) = samples.layers();
-        let (mut seen, mut shown) = (Layered::default(), [NOTHING; 4]);
+        let (mut seen, mut shown, mut marches) = (Layered::default(), [NOTHING; 4], MarchCounters::default());
         for (ids, is_solid) in layers.iter().map(|ids| (ids, false)).chain([(&samples.solid(), true)]) {
             for (id, covered) in distinct(ids) {
                 let hit = self.hit_of_samples(id, [x, y], &covered);
+                marches = count::sum([marches].into_iter().chain(hit.march.as_ref().map(count::one)));
                 let alpha = if is_solid { 1.0 } else { hit.look.base.w.clamp(0.0, 1.0) };
                 seen.add(&covered, self.radiance(&hit), alpha);
                 for s in covered {
@@ -280,7 +300,7 @@ impl<'a> Oracle<'a> {
         let hit = self.shown(&shown, [x, y]);
         let depth = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| self.light.depth(hit.position));
         let counts = [samples.covered, distinct(&shown).count() as u32];
-        Pixel { color, hit, depth, counts, layers_left_out }
+        Pixel { color, hit, depth, counts, marches, layers_left_out }
     }
 
     /// What the further outputs show: the triangle of most samples, unless more see none.
@@ -334,6 +354,11 @@ impl<'a> Oracle<'a> {
         let cutoff = f64::from(self.tables.materials[part.material as usize].alpha_cutoff);
         self.shader.alpha(&self.place(part, id), material, weights) >= cutoff
     }
+}
+
+/// Where sample `s` of a pixel is on the image.
+fn of_sample(pixel: [u32; 2], s: usize) -> [f64; 2] {
+    [0, 1].map(|axis| f64::from(pixel[axis]) + SAMPLES[s][axis] as f64 / 256.0)
 }
 
 fn faces_viewer(triangle: &ScreenTriangle, flags: u32) -> bool {

@@ -34,7 +34,7 @@ pub fn turned(map: &ReliefMap, course: &Course, mut cell_of: impl FnMut(u32, DVe
 }
 
 /// Change of height for each texel.
-fn slope(level: &HeightLevel, cell: IVec2, place: DVec2) -> DVec2 {
+pub(super) fn slope(level: &HeightLevel, cell: IVec2, place: DVec2) -> DVec2 {
     let [a, b, c, d] = level.corners(cell);
     let f = place - cell.as_dvec2();
     DVec2::new((b - a) * (1.0 - f.y) + (d - c) * f.y, (c - a) * (1.0 - f.x) + (d - b) * f.x)

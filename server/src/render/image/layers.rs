@@ -38,7 +38,7 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
             return Ok(count > 0);
         }
         run.record(|recorder| {
-            shading::record_radiance(recorder, frame, count)?;
+            shading::record_radiance(recorder, frame, slab, count)?;
             record_composite(recorder, frame, slab, layer.keys, false)
         })?;
     }
@@ -74,5 +74,5 @@ pub(crate) fn show(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<(
         return Ok(());
     }
     let count = shading::list_fragments(run, frame, slab, &frame.work.layers.shown)?;
-    run.record(|recorder| shading::record_appearance(recorder, frame, count))
+    run.record(|recorder| shading::record_appearance(recorder, frame, slab, count))
 }

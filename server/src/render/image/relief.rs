@@ -5,21 +5,23 @@ use std::sync::Arc;
 use displace_glsl::{
     ComputeShader, SHADERS,
     layout::relief::{
-        COURSE_NODES, ConeMapParams, Course, CourseParams, March, MarchParams, Relief, ReliefLevel, RelieveParams,
+        COURSE_NODES, ConeMapParams, Course, CourseLightParams, CourseParams, March, MarchParams, Relief, ReliefLevel,
+        RelieveParams, SelfShadowParams, TallyParams,
     },
     methods::{Marcher, Needs},
     reference::relief::{HeightLevel, exact},
 };
 
 use crate::{
+    domain::request::Shadows,
     domain::{
         Error, Result,
-        image::{HeightMap, RenderMaterial, RenderRelief, RenderScene, Silhouettes},
+        image::{HeightMap, ImageSet, RenderMaterial, RenderRelief, RenderScene, SelfShadow, Silhouettes},
     },
     vulkan::{Device, Recorder, Stream},
 };
 
-use super::Frame;
+use super::{Frame, Slab};
 
 /// Of all materials, in their order; empty where none has relief.
 #[derive(Debug, Default)]
@@ -123,27 +125,136 @@ impl ReliefStreams {
 pub(crate) struct MarchStreams {
     courses: Stream,
     nodes: Stream,
-    pub(crate) marches: Stream,
+    marches: Stream,
+    /// Of pixels: fetches, steps, marches that their bound ended, marches.
+    costs: Stream,
 }
 
 impl MarchStreams {
-    pub(crate) fn new(device: &Arc<Device>, tables: &ReliefTables, fragments: u64) -> Result<Self> {
-        let len = if tables.reliefs.is_empty() { 0 } else { fragments };
+    pub(crate) fn new(device: &Arc<Device>, tables: &ReliefTables, fragments: u64, pixels: u64) -> Result<Self> {
+        let [len, pixels] = if tables.reliefs.is_empty() { [0; 2] } else { [fragments, pixels] };
         Ok(Self {
             courses: Stream::new(device, "courses", size_of::<Course>() as u32, len)?,
             nodes: Stream::new(device, "course nodes", 16, len * COURSE_NODES as u64)?,
             marches: Stream::new(device, "marches", size_of::<March>() as u32, len)?,
+            costs: Stream::new(device, "costs", 16, pixels)?,
         })
     }
 }
 
-/// Moves the first `count` points to what is struck under them; nothing where no material has relief. `tests`: they are
-/// samples whose depth decides what is seen.
-pub(crate) fn record(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64, tests: bool) -> Result<()> {
+/// What fragments are that are moved to what is struck under them.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Stage {
+    /// Samples whose depth decides what is seen; told again for the second half of keys.
+    Tests { again: bool },
+    /// What is seen.
+    Shows,
+}
+
+/// Moves the first `count` points to what is struck under them; nothing where no material has relief.
+pub(crate) fn record(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    slab: Slab,
+    count: u64,
+    stage: Stage,
+) -> Result<()> {
     let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
     record_courses(recorder, frame, count)?;
     record_marches(recorder, frame, marcher, count)?;
-    record_struck(recorder, frame, marcher, count, tests)
+    if stage != (Stage::Tests { again: true }) {
+        record_costs(recorder, frame, slab, count)?;
+    }
+    record_struck(recorder, frame, marcher, count, stage)
+}
+
+/// Before the first march of a slab.
+pub(crate) fn clear_costs(recorder: &mut Recorder<'_>, frame: &Frame<'_>) -> Result<()> {
+    if frame.work.march.costs.is_empty() {
+        return Ok(());
+    }
+    Ok(recorder.fill(&frame.work.march.costs, 0)?)
+}
+
+fn record_costs(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab, count: u64) -> Result<()> {
+    let work = frame.work;
+    let (slab_px, slab_size_px) = slab.px();
+    let params = TallyParams { count: count as u32, slab_px, slab_size_px };
+    let bound = [
+        ("points", &work.points),
+        ("courses", &work.march.courses),
+        ("marches", &work.march.marches),
+        ("costs", &work.march.costs),
+    ];
+    Ok(recorder.dispatch(&SHADERS.tally, count, &params, &bound)?)
+}
+
+/// Adds what a slab's marches took to the images; of each square of `side` pixels all.
+pub(crate) fn copy_costs(frame: &Frame<'_>, slab: Slab, images: &mut ImageSet) -> Result<()> {
+    if frame.work.march.costs.is_empty() {
+        return Ok(());
+    }
+    let costs: Vec<[u32; 4]> = frame.work.march.costs.read_range(0..slab.pixels())?;
+    let counters = images.counters.get_or_insert_default();
+    for [fetches, steps, cap_hits, rays] in costs.iter().map(|cost| cost.map(u64::from)) {
+        counters.fetches += fetches;
+        counters.steps += steps;
+        counters.cap_hits += cap_hits;
+        counters.rays += rays;
+    }
+    let (side, width) = (frame.side as usize, images.width as usize);
+    let Some(image) = &mut images.cost else { return Ok(()) };
+    for (i, cost) in costs.iter().enumerate() {
+        let [x, y] = [i % slab.size[0] as usize, i / slab.size[0] as usize];
+        let [left, top] = slab.origin.map(|o| o as usize);
+        let pixel = &mut image[(top + y) / side * width + (left + x) / side];
+        (0..3).for_each(|k| pixel[k] += cost[k] as f32);
+    }
+    Ok(())
+}
+
+/// Takes from what arrives of each light what relief keeps off.
+pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, tables, work, .. } = frame;
+    let Some(marcher) = scene.marcher().filter(|_| scene.relief.self_shadow != SelfShadow::None) else {
+        return Ok(());
+    };
+    if scene.shadows == Shadows::None {
+        recorder.fill(&work.shadows, 1f32.to_bits())?;
+    }
+    let soft = scene.relief.self_shadow == SelfShadow::Soft;
+    for light in 0..tables.lights.len() as u32 {
+        record_ways_to_light(recorder, frame, light, count)?;
+        if soft {
+            record_marches(recorder, frame, &Marcher { shader: &SHADERS.soft_shadow, ..*marcher }, count)?;
+        } else {
+            record_marches(recorder, frame, marcher, count)?;
+        }
+        let lights = tables.lights.len() as u32;
+        let params = SelfShadowParams { count: count as u32, lights, light, soft: u32::from(soft) };
+        let bound = [("courses", &work.march.courses), ("marches", &work.march.marches), ("shadows", &work.shadows)];
+        recorder.dispatch(&SHADERS.self_shadow, count, &params, &bound)?;
+    }
+    Ok(())
+}
+
+fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
+    let bound = [
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("normals", &streams.normals),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("texels", &streams.relief.texels),
+        ("lights", &streams.lights),
+        ("courses", &work.march.courses),
+        ("course_nodes", &work.march.nodes),
+    ];
+    Ok(recorder.dispatch(&SHADERS.course_light, count, &params, &bound)?)
 }
 
 /// The shader that makes courses.
@@ -170,14 +281,13 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
     ];
-    let of_meshes = &streams.silhouettes;
     match silhouettes {
         Silhouettes::None => bound.push(("normals", &streams.normals)),
-        Silhouettes::Shell => bound.push(("directions", &of_meshes.directions)),
+        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
         Silhouettes::Quadric => bound.extend([
-            ("directions", &of_meshes.directions),
-            ("bends", &of_meshes.bends),
-            ("raises", &of_meshes.raises),
+            ("directions", &streams.silhouettes.directions),
+            ("bends", &streams.silhouettes.bends),
+            ("raises", &streams.silhouettes.raises),
         ]),
     }
     Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
@@ -202,7 +312,7 @@ fn record_struck(
     frame: &Frame<'_>,
     marcher: &Marcher,
     count: u64,
-    tests: bool,
+    stage: Stage,
 ) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
     let params = RelieveParams {
@@ -210,7 +320,7 @@ fn record_struck(
         uv_channels: scene.uv_channels,
         finds_depth: u32::from(marcher.finds_depth),
         has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
-        tests: u32::from(tests),
+        tests: u32::from(stage != Stage::Shows),
     };
     let bound = [
         ("fragments", &work.fragments),

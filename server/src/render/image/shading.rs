@@ -25,7 +25,9 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, Slab, bump, layers, light, projected, proxies, relief, shadow_map,
+    Frame, Run, Slab, bump, layers, light, projected, proxies,
+    relief::{self, Stage},
+    shadow_map,
     streams::{OccluderStreams, WorkStreams},
     visibility::fragment_count,
 };
@@ -34,7 +36,7 @@ use super::{
 pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<()> {
     let count = list_fragments(run, frame, slab, &frame.work.visibility)?;
     run.record(|recorder| {
-        record_radiance(recorder, frame, count)?;
+        record_radiance(recorder, frame, slab, count)?;
         light::record_backdrop(recorder, frame, slab)?;
         if frame.tables.has_layers {
             return layers::record_composite(recorder, frame, slab, &frame.work.visibility, true);
@@ -72,24 +74,25 @@ pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, k
 }
 
 /// What the first `count` fragments look like, and their radiance.
-pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab, count: u64) -> Result<()> {
     if count == 0 {
         return Ok(());
     }
-    record_appearance(recorder, frame, count)?;
+    record_appearance(recorder, frame, slab, count)?;
     record_moments(recorder, frame, count)?;
     record_shadows(recorder, frame, count)?;
     shadow_map::record(recorder, frame, count)?;
+    relief::record_self_shadow(recorder, frame, count)?;
     light::record(recorder, frame, count)
 }
 
 /// What the first `count` fragments look like.
-pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab, count: u64) -> Result<()> {
     if count == 0 {
         return Ok(());
     }
     record_surface(recorder, frame, count)?;
-    relief::record(recorder, frame, count, false)?;
+    relief::record(recorder, frame, slab, count, Stage::Shows)?;
     (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
     record_look(recorder, frame, count)?;
     bump::record(recorder, frame, count)

@@ -356,14 +356,10 @@ impl WorkStreams {
             mapped: mapped(device, scene, fragments)?,
             rises: new("rises", 8, if tables.bump.formulas.is_empty() { 0 } else { fragments })?,
             projected: ProjectedStreams::new(device, scene, fragments)?,
-            march: MarchStreams::new(device, &tables.relief, fragments)?,
+            march: MarchStreams::new(device, &tables.relief, fragments, pixels)?,
             appearances: new("appearances", size_of::<Appearance>(), samples)?,
             spreads: new("spreads", size_of::<Spread>(), if scene.has_map(MAP_NORMAL_MOMENTS) { samples } else { 0 })?,
-            shadows: new(
-                "shadows",
-                4,
-                if scene.shadows != Shadows::None { samples * tables.lights.len() as u64 } else { 0 },
-            )?,
+            shadows: new("shadows", 4, if scene.has_shadows() { samples * tables.lights.len() as u64 } else { 0 })?,
             aims: new(
                 "aims",
                 16,

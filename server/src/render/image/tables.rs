@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use displace_glsl::layout::raster::{
     INSTANCE_ROWS, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN, Light, MAP_NORMAL, MATERIAL_NORMAL_MAP, MATERIAL_STOCHASTIC,
-    MATERIAL_UNLIT, Material, PART_BLENDED, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, PART_UNSEEN,
-    Part, TextureUse,
+    MATERIAL_UNLIT, Material, PART_BLENDED, PART_COLORED, PART_DOUBLE_SIDED, PART_MASKED, PART_MIRRORED, PART_RELIEF,
+    PART_UNSEEN, Part, TextureUse,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
@@ -207,6 +207,7 @@ fn material_flags(material: &RenderMaterial, tests_relief: bool) -> u32 {
         _ if tests_relief && material.relief.is_some() => PART_MASKED,
         _ => 0,
     };
+    let alpha = if tests_relief && material.relief.is_some() { alpha | PART_RELIEF } else { alpha };
     double_sided | alpha
 }
 

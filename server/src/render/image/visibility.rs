@@ -15,7 +15,8 @@ use crate::{domain::Result, vulkan::Stream};
 use super::{
     Frame, Run, Slab,
     layers::Layer,
-    relief, shading,
+    relief::{self, Stage},
+    shading,
     streams::{LARGE_CHUNK, PAIR_CHUNK, RANGE_TRIANGLES, SceneStreams, WorkStreams},
     tables::Batch,
 };
@@ -69,7 +70,10 @@ enum Target<'a> {
 
 /// The nearest triangle of each sample, of all that are not blended.
 pub(crate) fn fill(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, first_slab: bool) -> Result<()> {
-    run.record(|recorder| Ok(recorder.fill(&frame.work.visibility, 0)?))?;
+    run.record(|recorder| {
+        relief::clear_costs(recorder, frame)?;
+        Ok(recorder.fill(&frame.work.visibility, 0)?)
+    })?;
     for &keys in Keys::all(run) {
         let mut job = Job { run, frame, slab, target: Target::Solid, keys };
         for batch in &frame.tables.batches {
@@ -358,10 +362,10 @@ impl<'a> Job<'a, '_> {
             stage: self.keys.stage(),
         };
         let shader = self.keys.of(&SHADERS.masked, &SHADERS.masked_words);
-        let frame = self.frame;
+        let (frame, slab, again) = (self.frame, self.slab, self.keys == Keys::Ids);
         self.run.record(|recorder| {
             shading::record_surface(recorder, frame, count)?;
-            relief::record(recorder, frame, count, true)?;
+            relief::record(recorder, frame, slab, count, Stage::Tests { again })?;
             shading::record_map(recorder, frame, MAP_BASE_COLOR, count)?;
             let bound = [
                 ("visibility", &work.visibility),

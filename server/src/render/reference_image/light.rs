@@ -19,6 +19,7 @@ use glam::{DVec3, DVec4};
 
 use super::{
     place::{blend, vec3},
+    relief::Shade as Own,
     shading::Hit,
     shadow_map,
 };
@@ -166,6 +167,13 @@ impl LightModel {
 
     /// Of light number `l`, as `arriving_of` reads it.
     fn share(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
+        let towards = incoming(light, hit.position).direction;
+        let is_own = |shade: &Own| shade.stops(towards, distance(light, hit.position, towards));
+        if hit.shade.as_ref().is_some_and(is_own) { 0.0 } else { self.share_of_others(l, light, hit, is_opaque) }
+    }
+
+    /// What hides light besides the heights that the place is on.
+    fn share_of_others(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
         let any_normal = matches!(self.shading, Shading::Flat | Shading::Gouraud) || hit.spread.is_some();
         let normal = hit.look.normal;
         let is_behind = |direction: DVec3| !any_normal && normal.dot(direction) <= 0.0 && normal != DVec3::ZERO;
@@ -194,8 +202,9 @@ fn is_stopped(
     hit: &Hit,
     is_opaque: impl Fn(u32, DVec3) -> bool,
 ) -> bool {
-    let origin = hit.position + hit.facing * f64::from(shade.offset_world);
-    let end = distance(light, hit.position, direction);
+    let Some(passed) = hit.shade.as_ref().map_or(Some(0.0), |own| own.passed(direction)) else { return true };
+    let origin = hit.position + direction * passed + hit.facing * f64::from(shade.offset_world);
+    let end = distance(light, hit.position, direction) - passed;
     shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
 }
 

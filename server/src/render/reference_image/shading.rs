@@ -5,10 +5,11 @@ use std::sync::Arc;
 use displace_glsl::{
     layout::raster::{MAP_BASE_COLOR, MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_SLOTS, Material, PART_MIRRORED},
     reference::{
-        appearance::{Appearance, Under, appearance},
+        appearance::{self, Appearance, appearance},
         mip::Level,
         moments::{self, Spread},
         projection,
+        relief::March,
         surface::{Barycentrics, barycentrics},
         surroundings::Change,
         texture,
@@ -21,9 +22,13 @@ use super::{
     bump::{Unbent, bent},
     place::Place,
     projected,
+    relief::{Found, Relief, Shade},
 };
 use crate::{
-    domain::image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
+    domain::{
+        Result,
+        image::{ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
+    },
     render::image::{bump::BumpTables, coverage, tables::wrap_numbers},
 };
 
@@ -44,6 +49,22 @@ pub(super) struct Hit {
     pub(super) pixel: [u32; 2],
     /// Of interpolated normal and position, by pixels.
     pub(super) change: Change,
+    /// Of heights that were struck.
+    pub(super) shade: Option<Shade>,
+    /// Over the heights there, met or missed.
+    pub(super) march: Option<March>,
+}
+
+/// What lies under a place of the image.
+struct Under {
+    b: Barycentrics,
+    position: DVec3,
+    /// Interpolated, towards the viewer's side.
+    normal: DVec3,
+    facing: DVec3,
+    flip: f64,
+    shade: Option<Shade>,
+    march: Option<March>,
 }
 
 /// The twins with what they need to know of the scene.
@@ -55,16 +76,18 @@ pub(super) struct Shader {
     moments: bool,
     /// Of places onto maps, where these are not read at texture coordinates.
     projection: Option<projection::Kind>,
+    pub(super) relief: Relief,
 }
 
 impl Shader {
-    pub(super) fn new(scene: &RenderScene) -> Self {
-        Self {
+    pub(super) fn new(scene: &RenderScene) -> Result<Self> {
+        Ok(Self {
             maps: map_levels(scene),
             filter: twin(scene.filter),
             moments: scene.has_map(MAP_NORMAL_MOMENTS),
             projection: scene.projection.kind(),
-        }
+            relief: Relief::new(scene)?,
+        })
     }
 
     pub(super) fn hit(
@@ -75,15 +98,10 @@ impl Shader {
         bumps: &BumpTables,
         at_px: [f64; 2],
     ) -> Hit {
-        let b = barycentrics(place.vertices().map(|v| {
-            let h = homogeneous(place.rows, place.mesh.positions[v]);
-            DVec3::new(h.x - at_px[0] * h.w, h.y - at_px[1] * h.w, h.w)
-        }));
-        let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
-        let normal = flip * place.normal(b.at);
+        let Under { b, position, normal, facing, flip, shade, march } = self.under(place, at_px);
         let mapped = self.mapped(place, source, &b);
         let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
-        let under = Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
+        let under = appearance::Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
@@ -92,17 +110,52 @@ impl Shader {
         let corner = |weights: DVec3| (place.position(weights), flip * place.normal(weights));
         let base_channel = source.maps[MAP_BASE_COLOR].as_ref().map_or(0, |map| map.uv_channel);
         Hit {
-            position: place.position(b.at),
+            position,
             uv: place.uv(base_channel, b.at),
             look,
             spread: self.spread(place, source, factors, &under, &mapped, &b),
             normal,
-            facing: flip * place.front(),
+            facing,
             change: Change { normal: [b.dx, b.dy].map(normal_change), position: [b.dx, b.dy].map(position_change) },
             corners: [DVec3::X, DVec3::Y, DVec3::Z].map(corner),
             weights: b.at,
             material: place.part.material,
             pixel: at_px.map(|x| x as u32),
+            shade,
+            march,
+        }
+    }
+
+    /// Of relief what was struck; what is beneath it where nothing was.
+    fn under(&self, place: &Place<'_>, at_px: [f64; 2]) -> Under {
+        let (b, flip) = seen(place, at_px);
+        let found = self.relief.found(place, (&b, flip), at_px);
+        let march = found.march();
+        let (position, normal) = (place.position(b.at), flip * place.normal(b.at));
+        let base = Under { b, position, normal, facing: flip * place.front(), flip, shade: None, march };
+        match found {
+            Found::Base | Found::Missed(_) => base,
+            Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
+            Found::Struck(on) => Under {
+                b: on.weights(b.clockwise),
+                position: on.position,
+                facing: on.facing,
+                shade: Some(on.shade),
+                ..base
+            },
+        }
+    }
+
+    /// Reversed depth of what is seen of a triangle there, `base` without relief; none where its relief is missed.
+    pub(super) fn depth(&self, place: &Place<'_>, at_px: [f64; 2], base: f64) -> Option<f64> {
+        if !self.relief.finds_depth(place.part.material) {
+            return Some(base);
+        }
+        let (b, flip) = seen(place, at_px);
+        match self.relief.found(place, (&b, flip), at_px) {
+            Found::Base | Found::Shifted(..) => Some(base),
+            Found::Missed(_) => None,
+            Found::Struck(on) => Some(on.depth()),
         }
     }
 
@@ -127,7 +180,7 @@ impl Shader {
         place: &Place<'_>,
         source: &RenderMaterial,
         factors: &Material,
-        under: &Under,
+        under: &appearance::Under,
         mapped: &[DVec4; MAP_SLOTS],
         b: &Barycentrics,
     ) -> Option<Spread> {
@@ -152,6 +205,16 @@ impl Shader {
             _ => DVec4::ONE,
         })
     }
+}
+
+/// Weights of the corners, and -1 where the back is seen.
+fn seen(place: &Place<'_>, at_px: [f64; 2]) -> (Barycentrics, f64) {
+    let b = barycentrics(place.vertices().map(|v| {
+        let h = homogeneous(place.rows, place.mesh.positions[v]);
+        DVec3::new(h.x - at_px[0] * h.w, h.y - at_px[1] * h.w, h.w)
+    }));
+    let flip = if b.clockwise != (place.part.flags & PART_MIRRORED != 0) { -1.0 } else { 1.0 };
+    (b, flip)
 }
 
 /// Where a pixel's corners lie apart on a map, texels.

@@ -1,0 +1,80 @@
+#version 460
+// The way from each fragment's place to a light, over the height map of its material up to the greatest height, as if the base
+// went on flat. A thread per fragment. What lies below the horizon has no course, and a cosine below 0.
+#include "common.glsl"
+#include "pages.glsl"
+#include "raster_tables.glsl"
+#include "surface_point.glsl"
+#include "relief.glsl"
+#include "light.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Params {
+    uint count;
+    uint uv_channels;
+    uint light;
+} params;
+
+PAGED(0, readonly, SurfacePoint, points);
+PAGED(1, readonly, vec4, instance_rows);
+PAGED(2, readonly, vec3, positions);
+PAGED(3, readonly, vec3, normals);
+PAGED(4, readonly, vec2, uvs);
+PAGED(5, readonly, Relief, reliefs);
+PAGED(6, readonly, ReliefLevel, relief_levels);
+PAGED(7, readonly, float, texels);
+PAGED(8, readonly, Light, lights);
+PAGED(9, writeonly, Course, courses);
+PAGED(10, writeonly, vec4, course_nodes);
+
+#include "course_texels.glsl"
+#include "course_plane.glsl"
+#include "tiled.glsl"
+#include "relief_slope.glsl"
+
+// A direction of the world in the mesh's space, of any length.
+vec3 in_mesh(uint row, vec3 way) {
+    vec3 x = LOAD(instance_rows, row + WORLD_ROW).xyz;
+    vec3 y = LOAD(instance_rows, row + WORLD_ROW + 1u).xyz;
+    vec3 z = LOAD(instance_rows, row + WORLD_ROW + 2u).xyz;
+    vec3 across = cross(y, z);
+    float volume = dot(x, across);
+    return volume != 0.0 ? (way.x * across + way.y * cross(z, x) + way.z * cross(x, y)) / volume : vec3(0.0);
+}
+
+void element(uint i) {
+    SurfacePoint point = LOAD(points, i);
+    Relief relief = LOAD(reliefs, point.material);
+    if (relief.level_count == 0u || point.flip < 0.0) {
+        STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+        return;
+    }
+    STORE(courses, i, Course(0u, point.material, LEVEL, -1.0));
+    mat3 corner;
+    vec3 normal = vec3(0.0);
+    vec3 inside = max(point.at, vec3(0.0));
+    for (int k = 0; k < 3; ++k) {
+        corner[k] = LOAD(positions, point.vertices[k]);
+        normal += LOAD(normals, point.vertices[k]) * inside[k];
+    }
+    Light light = LOAD(lights, params.light);
+    vec3 way = light.kind == LIGHT_SUN ? light.direction : light.position - point.position;
+    Plane plane = plane_of(corner, normal);
+    vec3 rate = in_plane(plane, normalize(in_mesh(point.instance * INSTANCE_ROWS, way)));
+    if (plane.volume == 0.0 || !(rate.z > 0.0)) {
+        return;
+    }
+    mat3x2 texel_corners = texels_of(relief, point.vertices);
+    vec2 place = texel_corners * point.at;
+    // A little above what is struck, so that a ray does not meet the facet it leaves.
+    float low = height_at_place(relief, LEVEL, place) + (relief.high - relief.low) / 1024.0;
+    float high = with_margin(plane, vec2(relief.low, relief.high)).y;
+    float t = (high - low) / rate.z;
+    vec2 gone = texel_corners * vec3(-rate.x - rate.y, rate.xy) * t;
+    STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
+    STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));
+    STORE(courses, i, Course(2u, point.material, LEVEL, 1.0));
+}
+
+#include "batch.glsl"

@@ -1,0 +1,180 @@
+//! Heights that are shown per pixel: the twins of the courses, the method and `relieve` put together.
+
+mod light;
+mod maps;
+#[cfg(test)]
+mod tests;
+
+use std::{ops::Range, sync::Arc};
+
+use displace_glsl::{
+    methods::Marcher,
+    reference::{
+        relief::{
+            March, ReliefMap, flat,
+            light::Start,
+            pixel_ray::pixel_ray,
+            relieve::{self, Struck},
+        },
+        surface::{Barycentrics, unit_or_zero},
+    },
+};
+use glam::{DVec2, DVec3};
+
+use super::place::{Place, blend, vec3};
+use crate::domain::{
+    Error, Result,
+    image::{RenderScene, SelfShadow, Silhouettes},
+};
+
+pub(super) use light::Shade;
+
+/// The heights of a material.
+struct Heights {
+    map: Arc<ReliefMap>,
+    range: Range<f64>,
+    uv_channel: u32,
+    map_from_uv: [[f32; 3]; 2],
+}
+
+/// How a scene shows heights.
+pub(super) struct Relief {
+    /// None where no material has any.
+    marcher: Option<&'static Marcher>,
+    /// Of materials.
+    heights: Vec<Option<Heights>>,
+    self_shadow: bool,
+}
+
+/// What relief makes of what is seen of a triangle.
+pub(super) enum Found {
+    /// There is no relief, or no ray goes down to it.
+    Base,
+    /// Nothing is seen.
+    Missed(March),
+    /// Maps are read elsewhere, at these weights; what is seen is where it is.
+    Shifted(DVec3, March),
+    Struck(Box<OnHeights>),
+}
+
+/// What was struck.
+pub(super) struct OnHeights {
+    struck: Struck,
+    march: March,
+    /// World.
+    pub(super) position: DVec3,
+    /// Towards the viewer's side, unit.
+    pub(super) facing: DVec3,
+    pub(super) shade: Shade,
+}
+
+impl Relief {
+    pub(super) fn new(scene: &RenderScene) -> Result<Self> {
+        let heights = maps::heights(scene);
+        let marcher = scene.relief.method.marcher().filter(|_| heights.iter().any(Option::is_some));
+        if marcher.is_some() {
+            check(scene)?;
+        }
+        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow == SelfShadow::Hard })
+    }
+
+    pub(super) fn is_shown(&self) -> bool {
+        self.marcher.is_some()
+    }
+
+    /// Whether it decides what is seen of a material.
+    pub(super) fn finds_depth(&self, material: u32) -> bool {
+        self.marcher.is_some_and(|marcher| marcher.finds_depth) && self.heights[material as usize].is_some()
+    }
+
+    /// Under a place of the image, by weights of the triangle there; -1 where its back is seen, which has none.
+    pub(super) fn found(&self, place: &Place<'_>, (b, flip): (&Barycentrics, f64), at_px: [f64; 2]) -> Found {
+        if flip < 0.0 {
+            return Found::Base;
+        }
+        let Some((marcher, heights)) = self.marcher.zip(self.heights[place.part.material as usize].as_ref()) else {
+            return Found::Base;
+        };
+        let Some(base) = base(place, heights, b.at) else { return Found::Base };
+        let (at_px, corner) = (DVec2::from_array(at_px), vec3(place.mesh.positions[place.vertices()[0]]));
+        let ray = pixel_ray(place.rows, at_px, corner);
+        let Some(course) = flat::course(&base, &ray, heights.range.clone()) else { return Found::Base };
+        let march = (marcher.twin)(&heights.map, &course, marcher.setting.into());
+        if !marcher.finds_depth {
+            return Found::Shifted(base.weights(march.place), march);
+        }
+        let level = &heights.map.level;
+        let Some(struck) = relieve::struck(&base, level, place.rows, (at_px, &ray), (&course, &march)) else {
+            return Found::Missed(march);
+        };
+        Found::Struck(Box::new(self.on_heights(place, heights, (base, marcher), (struck, march))))
+    }
+
+    fn on_heights(
+        &self,
+        place: &Place<'_>,
+        heights: &Heights,
+        (base, marcher): (flat::Base, &'static Marcher),
+        (struck, march): (Struck, March),
+    ) -> OnHeights {
+        let start = Start { place: march.place, z: base.under(struck.point).z, facing: struck.facing };
+        let marched = self.self_shadow.then(|| (marcher, Arc::clone(&heights.map)));
+        OnHeights {
+            position: place.world(4, struck.point.extend(1.0)),
+            facing: unit_or_zero(place.world(7, struck.facing.extend(0.0))),
+            shade: Shade::new(place, base, start, heights.range.end, marched),
+            struck,
+            march,
+        }
+    }
+}
+
+impl OnHeights {
+    pub(super) fn weights(&self, clockwise: bool) -> Barycentrics {
+        let Struck { at, dx, dy, .. } = self.struck;
+        Barycentrics { at, dx, dy, clockwise }
+    }
+
+    /// Reversed.
+    pub(super) fn depth(&self) -> f64 {
+        self.struck.depth
+    }
+}
+
+impl Found {
+    pub(super) fn march(&self) -> Option<March> {
+        match self {
+            Self::Base => None,
+            Self::Missed(march) | Self::Shifted(_, march) => Some(*march),
+            Self::Struck(on) => Some(on.march),
+        }
+    }
+}
+
+fn base(place: &Place<'_>, heights: &Heights, at: DVec3) -> Option<flat::Base> {
+    let vertices = place.vertices();
+    let normal = unit_or_zero(blend(at, vertices.map(|v| vec3(place.mesh.normals[v]))));
+    let size = heights.map.level.size.map(f64::from);
+    let rows = heights.map_from_uv.map(|row| row.map(f64::from));
+    let texels = [DVec3::X, DVec3::Y, DVec3::Z].map(|corner| {
+        let uv = place.uv(heights.uv_channel, corner).extend(1.0);
+        DVec2::from_array([0, 1].map(|axis| DVec3::from_array(rows[axis]).dot(uv) * size[axis] - 0.5))
+    });
+    flat::Base::new(vertices.map(|v| vec3(place.mesh.positions[v])), normal, texels)
+}
+
+fn check(scene: &RenderScene) -> Result<()> {
+    let refused = |field: &str, name: &str| {
+        let message = format!(
+            "is {name}, which device reference does not show yet: take another device, or leave {} none",
+            field.rsplit('.').next().unwrap_or(field)
+        );
+        Err(Error::unsupported(field, message))
+    };
+    match (scene.relief.silhouettes, scene.relief.self_shadow) {
+        (Silhouettes::Shell, _) => refused("lighting.relief.silhouettes", "shell"),
+        (Silhouettes::Quadric, _) => refused("lighting.relief.silhouettes", "quadric"),
+        (Silhouettes::None, SelfShadow::Soft) => refused("lighting.relief.self_shadow", "soft"),
+        (Silhouettes::None, _) => Ok(()),
+    }
+}
