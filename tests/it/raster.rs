@@ -11,6 +11,7 @@ mod moments;
 mod passes;
 pub(crate) mod projection;
 mod reflections;
+mod relief;
 pub(crate) mod scenes;
 mod shadows;
 
