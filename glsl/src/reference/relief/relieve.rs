@@ -3,6 +3,7 @@
 use glam::{DMat2, DVec2, DVec3, DVec4};
 
 use super::{Course, HeightLevel, March, flat::Base, parallax_iterative::slope, pixel_ray::PixelRay};
+use crate::reference::bump::surface_gradient;
 
 /// What a ray struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +37,8 @@ pub fn struck(
     let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
     let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
-    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing: along[0].cross(along[1]) })
+    let facing = base.normal - surface_gradient(base.sides, base.normal, rises);
+    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing })
 }
 
 /// Of the weights, per pixel: the facet moves with them by `along`, and stays under the pixel or goes on to the next.
@@ -118,10 +120,10 @@ mod tests {
         }
     }
 
-    /// z = x/8 but for what is added: its normal is along (-1/8, 0, 1), the sides being 2 and 1 long.
+    /// z = x/8 but for what is added: its normal is (-1/8, 0, 1).
     #[test]
     fn it_faces_as_the_ramp_does() {
         let facing = seen(DVec3::Z, DVec2::new(45.5, 42.25)).facing;
-        assert!((facing / 2.0 - DVec3::new(-0.125, 0.0, 1.0)).length() < 1e-12, "{facing}");
+        assert!((facing - DVec3::new(-0.125, 0.0, 1.0)).length() < 1e-12, "{facing}");
     }
 }
