@@ -6,7 +6,7 @@ use displace_glsl::methods::{METHODS, Method};
 use displace_server::domain::{
     detail::Wrap,
     image::{
-        BumpKind, ColorMap, HeightMap, ImageSet, RenderLight, RenderMaterial, RenderMap, RenderMesh, RenderRelief,
+        BumpKind, ColorMap, HeightMap, ImageSet, RenderLight, RenderMap, RenderMaterial, RenderMesh, RenderRelief,
         RenderScene, SelfShadow, Silhouettes,
     },
 };
@@ -94,9 +94,7 @@ fn a_ball_in_relief_is_cut_where_its_depth_says() {
         render(&scene, 96, 96)
     };
     let (lifted, higher) = (image(0.05, 0.0), image(0.0, 0.04));
-    let covered = |image: &ImageSet| -> Vec<bool> {
-        image.color.iter().map(|c| c[2] > c[0]).collect()
-    };
+    let covered = |image: &ImageSet| -> Vec<bool> { image.color.iter().map(|c| c[2] > c[0]).collect() };
     let apart = covered(&lifted).iter().zip(covered(&higher)).filter(|(a, b)| **a != *b).count();
     assert!(apart <= 8, "{apart} pixels of the ball");
 }

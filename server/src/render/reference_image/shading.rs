@@ -105,7 +105,8 @@ impl Shader {
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
-        if shade.is_some() {
+        let is_struck = march.as_ref().is_some_and(March::is_hit) && self.relief.finds_depth(place.part.material);
+        if is_struck {
             look.normal = struck_normal(place, source, &b, [look.normal, facing]);
         }
         let normal_change = |weights: DVec3| flip * place.normal_change(b.at, weights);
