@@ -96,3 +96,70 @@ fn proxy_mesh(scene: &RenderScene, mesh: &RenderMesh, runs: &[(u32, Raised<'_>)]
         ..RenderMesh::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use displace_glsl::{layout::raster::PART_UNSEEN, methods::Method};
+
+    use super::*;
+    use crate::{
+        domain::image::{HeightMap, ImagePlan, ReliefSettings, RenderRelief},
+        render::{image::tables::Tables, occluders::Shade},
+    };
+
+    const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+    /// Two of a square whose second triangle has relief.
+    fn scene(silhouettes: Silhouettes) -> RenderScene {
+        let map = HeightMap { width: 1, height: 1, heights: vec![0.5], ..HeightMap::default() };
+        let map_from_uv = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let relief = RenderRelief { map: Arc::new(map), uv_channel: 0, map_from_uv, steps: 0 };
+        let instance = RenderInstance { mesh: 0, world_from_mesh: IDENTITY, stands_for: None };
+        RenderScene {
+            meshes: vec![RenderMesh {
+                positions: Arc::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]),
+                normals: Arc::new(vec![[0.0, 0.0, 1.0]; 4]),
+                uvs: Arc::new(vec![[0.0; 2]; 4]),
+                triangles: Arc::new(vec![[0, 1, 2], [0, 2, 3]]),
+                material_of_triangles: vec![(0, 0), (1, 1)],
+                ..RenderMesh::default()
+            }],
+            instances: vec![instance; 2],
+            materials: vec![
+                RenderMaterial::default(),
+                RenderMaterial { relief: Some(relief), ..RenderMaterial::default() },
+            ],
+            relief: ReliefSettings { method: Method::Exact, silhouettes, ..ReliefSettings::default() },
+            uv_channels: 1,
+            ..RenderScene::default()
+        }
+    }
+
+    fn tables(scene: &RenderScene) -> Tables {
+        let plan = ImagePlan::new(16, 16, &scene.contents()).expect("a plan");
+        Tables::new(&plan, scene).expect("tables")
+    }
+
+    #[test]
+    fn what_stands_for_a_part_names_it_and_stops_no_light() {
+        for (silhouettes, faces) in [(Silhouettes::Shell, 8), (Silhouettes::Quadric, 1)] {
+            let scene = scene(silhouettes);
+            let more = with_proxies(&scene);
+            let tables = tables(&more);
+            let parts: Vec<_> = tables.parts.iter().map(|p| (p.first_triangle, p.stands_for, p.faces)).collect();
+            let bases = [(0, 0, 1), (1, 1, 1), (2, 2, 1), (3, 3, 1)];
+            assert_eq!(parts, [&bases[..], &[(4, 1, faces), (4 + faces, 3, faces)]].concat());
+            let unseen: Vec<_> = tables.parts.iter().map(|part| part.flags & PART_UNSEEN != 0).collect();
+            assert_eq!(unseen, [false, true, false, true, false, false]);
+            let stopping = Shade::new(&more, &tables).expect("few triangles").occluders;
+            assert_eq!(stopping.items.len(), 4);
+        }
+    }
+
+    #[test]
+    fn a_scene_without_silhouettes_is_drawn_as_it_is() {
+        let scene = scene(Silhouettes::None);
+        assert!(matches!(with_proxies(&scene), Cow::Borrowed(_)));
+        assert!(tables(&scene).parts.iter().all(|part| part.flags & PART_UNSEEN == 0));
+    }
+}
