@@ -5,6 +5,7 @@
 #include "pages.glsl"
 #include "raster_tables.glsl"
 #include "surface_point.glsl"
+#include "material.glsl"
 #include "appearance.glsl"
 #include "relief.glsl"
 #include "bump.glsl"
@@ -34,7 +35,8 @@ void element(uint i) {
         return;
     }
     // A normal map says more than the heights do.
-    if (!any(equal(LOAD(bumps, point.material).kinds, uvec4(BUMP_HEIGHT)))) {
+    bool has_map = (LOAD(appearances, i).flags & MATERIAL_NORMAL_MAP) != 0u;
+    if (has_map || !any(equal(LOAD(bumps, point.material).kinds, uvec4(BUMP_HEIGHT)))) {
         return;
     }
     mat3x2 corners = texels_of(relief, point.vertices);

@@ -148,10 +148,14 @@ impl ImageContents {
             // A point to read maps at, its frame, and what one projection shows.
             + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
             + if self.environment.is_some() || self.reflection_texels > 0 { 36 } else { 0 }
-            + if self.has_moments { 24 } else { 0 };
+            + if self.has_moments { 24 } else { 0 }
+            // A course, its nodes and its march.
+            + if self.relief_texels > 0 { 16 + 9 * 16 + 24 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
-        let outputs: u64 = self.aovs.iter().map(|aov| aov.bytes()).sum();
+        // Of relief, what marches took.
+        let outputs =
+            self.aovs.iter().map(|aov| aov.bytes()).sum::<u64>() + if self.relief_texels > 0 { 16 } else { 0 };
         screen + listed * 20 + records + slab_pixels * (4 * per_sample + layers + 4 + 16 + outputs)
     }
 }

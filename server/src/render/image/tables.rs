@@ -317,7 +317,8 @@ pub(crate) fn check(scene: &RenderScene) -> Result<()> {
         let uvs_fit = mesh.uvs.len() == vertices * scene.uv_channels as usize;
         let colors_fit = mesh.colors.is_empty() || mesh.colors.len() == vertices;
         let tangents_fit = mesh.tangents.is_empty() || mesh.tangents.len() == 3 * mesh.triangles.len();
-        if mesh.normals.len() != vertices || !uvs_fit || !colors_fit || !tangents_fit {
+        let directions_fit = mesh.directions.is_empty() || mesh.directions.len() == vertices;
+        if mesh.normals.len() != vertices || !directions_fit || !uvs_fit || !colors_fit || !tangents_fit {
             return Err(Error::internal(format!("mesh {index}: its {vertices} vertices lack attributes")));
         }
         if mesh.triangles.iter().flatten().any(|&vertex| vertex as usize >= vertices) {
@@ -332,6 +333,10 @@ pub(crate) fn check(scene: &RenderScene) -> Result<()> {
     let formulas = scene.materials.iter().flat_map(|material| &material.bump.formulas);
     if formulas.clone().any(|formula| formula.uv_channel >= scene.uv_channels) {
         return Err(Error::internal(format!("a formula reads a UV channel beyond {}", scene.uv_channels)));
+    }
+    let mut reliefs = scene.materials.iter().filter_map(|material| material.relief.as_ref());
+    if reliefs.any(|relief| relief.uv_channel >= scene.uv_channels) {
+        return Err(Error::internal(format!("heights are read at a UV channel beyond {}", scene.uv_channels)));
     }
     let meshes = scene.meshes.len();
     if scene.instances.iter().any(|instance| instance.mesh >= meshes) {

@@ -228,7 +228,8 @@ fn struck_normal(
     b: &Barycentrics,
     [filtered, struck]: [DVec3; 2],
 ) -> DVec3 {
-    let slot = source.bump.uses.iter().position(|used| used.kind == BumpKind::Height);
+    let is_mapped = source.maps[MAP_NORMAL].is_some();
+    let slot = source.bump.uses.iter().position(|used| used.kind == BumpKind::Height && !is_mapped);
     let Some(map) = slot.and_then(|slot| source.maps[MAP_DETAIL + slot].as_ref()) else { return filtered };
     let [dx, dy] = sides(place, map, b);
     let share = (2.0 - dx.perp_dot(dy).abs().sqrt()).clamp(0.0, 1.0);
