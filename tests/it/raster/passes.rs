@@ -108,7 +108,7 @@ impl Probe {
         let bound = [
             ("fragments", &Stream::from_slice(device(), "fragments", &fragments).expect("fits")),
             ("triangles", &Stream::from_slice(device(), "triangles", &[[0u32, 1, 2]]).expect("fits")),
-            ("parts", &Stream::from_slice(device(), "parts", &[Part::default()]).expect("fits")),
+            ("parts", &Stream::from_slice(device(), "parts", &[Part { faces: 1, ..Part::default() }]).expect("fits")),
             ("instance_rows", &Stream::from_slice(device(), "rows", &self.rows).expect("fits")),
             ("positions", &Stream::from_slice(device(), "positions", &self.positions).expect("fits")),
             ("normals", &Stream::from_slice(device(), "normals", &[[0f32, 0.0, 1.0]; 3]).expect("fits")),

@@ -182,10 +182,11 @@ fn a_shell_has_the_outline_of_fine_triangles_on_a_sphere_and_a_torus_within_half
     }
 }
 
+/// Each ray sees the quadric of one triangle: what is a saddle farther on, it misses.
 #[test]
-fn a_quadric_has_a_better_outline_than_the_base() {
-    for mesh in [meshes::uv_sphere(32, 16), meshes::torus(32, 16)] {
+fn a_quadric_has_a_better_outline_than_the_base_and_on_a_sphere_less_than_half_as_far_off() {
+    for (mesh, share) in [(meshes::uv_sphere(32, 16), 0.5), (meshes::torus(32, 16), 0.9)] {
         let (quadric, none) = (outline_of(&mesh, Silhouettes::Quadric), outline_of(&mesh, Silhouettes::None));
-        assert!(quadric < 0.75 * none, "{}: {quadric} px, {none} px without", mesh.name);
+        assert!(quadric < share * none, "{}: {quadric} px, {none} px without", mesh.name);
     }
 }

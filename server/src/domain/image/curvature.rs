@@ -92,7 +92,10 @@ mod tests {
     use super::*;
 
     /// A closed grid of n x n places of (u, v) in [0, 1)², its last row and column joined to the first.
-    fn grid(n: u32, at: impl Fn(f64, f64) -> (DVec3, DVec3)) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    /// Positions, directions and triangles.
+    type Grid = (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+    fn grid(n: u32, at: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Grid {
         let places = (0..n * n).map(|i| at(f64::from(i % n) / f64::from(n), f64::from(i / n) / f64::from(n)));
         let (positions, normals) = places.map(|(p, n)| (p.as_vec3().to_array(), n.as_vec3().to_array())).unzip();
         let vertex = |x: u32, y: u32| y % n * n + x % n;
