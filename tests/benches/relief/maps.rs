@@ -6,7 +6,7 @@ use displace_glsl::reference::relief::{HeightLevel, ReliefMap, exact::bounds};
 use displace_tests::{maps::hash, march::map};
 
 /// Of heights, texels.
-pub const AMPLITUDE: f64 = 8.0;
+pub(crate) const AMPLITUDE: f64 = 8.0;
 /// Of a map that is marched over, at most.
 const MOST: u32 = 512;
 
@@ -20,7 +20,7 @@ const CORPUS: [(&str, &str, bool); 5] = [
 ];
 
 /// Generated ones, those of the corpus where there is one, and files that are named.
-pub fn all(files: &[String]) -> Vec<(String, ReliefMap)> {
+pub(crate) fn all(files: &[String]) -> Vec<(String, ReliefMap)> {
     let mut levels = vec![("fractal".to_string(), fractal()), ("posts".to_string(), posts())];
     if let Some(root) = std::env::var_os("DISPLACE_CORPUS") {
         let read =

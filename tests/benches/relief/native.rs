@@ -4,10 +4,10 @@ use displace_glsl::reference::relief::ReliefMap;
 use rayon::prelude::*;
 
 /// x, y and z at either end.
-pub type Ray = [[f32; 3]; 2];
+pub(crate) type Ray = [[f32; 3]; 2];
 type March = fn(&Native<'_>, Ray) -> Option<f32>;
 
-pub struct Native<'m> {
+pub(crate) struct Native<'m> {
     heights: &'m [f32],
     bounds: &'m [f32],
     size: [i32; 2],
@@ -16,7 +16,7 @@ pub struct Native<'m> {
 }
 
 impl<'m> Native<'m> {
-    pub fn new(map: &'m ReliefMap) -> Self {
+    pub(crate) fn new(map: &'m ReliefMap) -> Self {
         let size = map.level.size.map(|n| n as i32);
         let mut levels = vec![(0, size)];
         while let Some(&(first, below)) = levels.last().filter(|(_, size)| *size != [1; 2]) {
@@ -26,7 +26,7 @@ impl<'m> Native<'m> {
     }
 
     /// t of all rays.
-    pub fn run(&self, march: March, rays: &[Ray]) -> Vec<Option<f32>> {
+    pub(crate) fn run(&self, march: March, rays: &[Ray]) -> Vec<Option<f32>> {
         rays.par_iter().with_min_len(1024).map(|ray| march(self, *ray)).collect()
     }
 
@@ -49,7 +49,7 @@ fn at([from, to]: Ray, t: f32) -> [f32; 3] {
 }
 
 /// 16 even steps and five bisections.
-pub fn relief(map: &Native<'_>, ray: Ray) -> Option<f32> {
+pub(crate) fn relief(map: &Native<'_>, ray: Ray) -> Option<f32> {
     let gap = |t: f32| {
         let [x, y, z] = at(ray, t);
         z - map.height(x, y)
@@ -64,7 +64,7 @@ pub fn relief(map: &Native<'_>, ray: Ray) -> Option<f32> {
 }
 
 /// Down the pyramid to the closed form in a cell.
-pub fn exact(map: &Native<'_>, ray: Ray) -> Option<f32> {
+pub(crate) fn exact(map: &Native<'_>, ray: Ray) -> Option<f32> {
     let [o, to] = ray;
     let d: [f32; 3] = std::array::from_fn(|k| to[k] - o[k]);
     let inverse = d.map(|d| if d == 0.0 { 1e30 } else { 1.0 / d });

@@ -24,20 +24,20 @@ fn ray(from: [f64; 2], turns: f64, degrees: f64) -> Course {
 }
 
 /// Anywhere and any way round.
-pub fn random(count: u32, degrees: f64) -> Vec<Course> {
+pub(crate) fn random(count: u32, degrees: f64) -> Vec<Course> {
     let mut random = StdRng::seed_from_u64(7);
     let mut one = |_| ray([0; 2].map(|_| random.random_range(0.0..512.0)), random.random(), degrees);
     (0..count).map(&mut one).collect()
 }
 
 /// As the pixels of an image have them: side by side, half a texel apart, all one way.
-pub fn side_by_side(side: u32, degrees: f64) -> Vec<Course> {
+pub(crate) fn side_by_side(side: u32, degrees: f64) -> Vec<Course> {
     let place = |k: u32| [k % side, k / side].map(|i| 0.5 * f64::from(i) + 0.2);
     (0..side * side).map(|k| ray(place(k), 0.08, degrees)).collect()
 }
 
 /// Where they meet the surface, cell by cell in f64.
-pub fn met(level: &HeightLevel, courses: &[Course]) -> Vec<DVec2> {
+pub(crate) fn met(level: &HeightLevel, courses: &[Course]) -> Vec<DVec2> {
     let ([width, height], texels) = (level.size, level.heights.clone().into());
     let (wrap, sampling) = ([Wrap::Repeat; 2], Sampling::Center);
     let field = Field::new(&Arc::new(Map { width, height, channels: 1, texels, wrap, sampling, source_bits: 32 }));

@@ -22,7 +22,7 @@ const ROUNDS: usize = 5;
 const SETTINGS: [f32; 4] = [0.0, 16.0, 32.0, 1e30];
 
 /// A row for each map and angle, in millions of rays a second.
-pub fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
+pub(crate) fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
     let mut table = String::from(
         "map,degrees,nodes,cells_below_16,cells_below_32,cells,native,ratio,relief,native_relief,relief_ratio\n",
     );

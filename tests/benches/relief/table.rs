@@ -18,7 +18,7 @@ const STEPS: [u32; 2] = [16, 0];
 const ROUNDS: usize = 3;
 
 /// A row for each map, angle, method and number of steps, where it takes even ones.
-pub fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
+pub(crate) fn of(device: &Arc<Device>, maps: &[(String, ReliefMap)]) -> String {
     let mut table = String::from("map,degrees,method,steps_asked,off_percent,fetches,steps,capped,ms_per_million\n");
     for (name, map) in maps {
         let map = ReliefMap { cones: cones(device, &map.level), ..map.clone() };

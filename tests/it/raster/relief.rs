@@ -150,7 +150,7 @@ fn outlines(image: &ImageSet, truth: &ImageSet) -> [usize; 2] {
     let covered = |image: &ImageSet| -> Vec<bool> { image.color.iter().map(|c| c[0] < 0.5 * LEAK).collect() };
     let (seen, expected, width) = (covered(image), covered(truth), truth.width as usize);
     let rim = |i: usize| expected[i] && [i - 1, i + 1, i - width, i + width].iter().any(|k| !expected[*k]);
-    let inside = |i: &usize| i % width > 0 && i % width < width - 1 && *i >= width && *i < expected.len() - width;
+    let inside = |i: &usize| (1..width - 1).contains(&(i % width)) && (width..expected.len() - width).contains(i);
     let apart = (0..seen.len()).filter(|i| seen[*i] != expected[*i]).count();
     [apart, (0..seen.len()).filter(inside).filter(|i| rim(*i)).count()]
 }
