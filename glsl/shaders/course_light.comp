@@ -31,6 +31,7 @@ PAGED(10, writeonly, vec4, course_nodes);
 #include "course_texels.glsl"
 #include "course_plane.glsl"
 #include "tiled.glsl"
+#include "taps.glsl"
 #include "relief_slope.glsl"
 
 // A direction of the world in the mesh's space, of any length.

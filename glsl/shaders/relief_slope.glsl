@@ -1,4 +1,4 @@
-// How steep the bilinear heights are. Needs `relief_levels`, `texels`; include after tiled.glsl.
+// How steep the bilinear heights are. Needs `relief_levels`, `texels`; include after tiled.glsl and taps.glsl.
 
 float relief_height(Relief relief, ReliefLevel level, ivec2 texel) {
     ivec2 size = ivec2(level.size);
@@ -18,6 +18,23 @@ vec2 slope_at(Relief relief, uint level_index, vec2 place) {
     float c = relief_height(relief, level, cell + ivec2(0, 1));
     float d = relief_height(relief, level, cell + ivec2(1, 1));
     return vec2(mix(b - a, d - c, f.y), mix(c - a, d - b, f.x));
+}
+
+// The same averaged over a texel, as displaced surfaces have it for their normals.
+vec2 smooth_slope_at(Relief relief, uint level_index, vec2 place) {
+    ReliefLevel level = LOAD(relief_levels, relief.level_first + level_index);
+    ivec2 nearest = ivec2(floor(place + 0.5));
+    vec2 g = place + 0.5 - floor(place + 0.5);
+    vec2 slope = vec2(0.0);
+    for (int y = 0; y < 3; ++y) {
+        vec2 down = tap_weights(y, g.y);
+        for (int x = 0; x < 3; ++x) {
+            vec2 across = tap_weights(x, g.x);
+            float height = relief_height(relief, level, nearest + ivec2(x - 1, y - 1));
+            slope += height * vec2(across.y * down.x, across.x * down.y);
+        }
+    }
+    return slope;
 }
 
 // Mesh-local units.

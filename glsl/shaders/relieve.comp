@@ -37,6 +37,7 @@ PAGED(11, readonly, March, marches);
 #include "pixel_ray.glsl"
 #include "course_texels.glsl"
 #include "tiled.glsl"
+#include "taps.glsl"
 #include "relief_slope.glsl"
 #include "bump.glsl"
 #include "world.glsl"
@@ -59,7 +60,10 @@ vec3 clamped(vec3 weights) {
     return at / (at.x + at.y + at.z);
 }
 
-// How the weights change where a pixel does: the facet that is struck moves with them by `along`, and stays under the pixel.
+// Of a pixel's side: each of its samples is shaded by itself, and the four are averaged.
+const float SAMPLE_SIDE = 0.5;
+
+// How the weights change from sample to sample: the facet that is struck moves with them by `along`, and stays under the pixel.
 void derive(inout SurfacePoint point, uint row, vec2 at_px, vec3 x, mat2x3 along) {
     vec4 w = LOAD(instance_rows, row + 3u);
     vec3 across = LOAD(instance_rows, row).xyz - at_px.x * w.xyz;
@@ -71,8 +75,8 @@ void derive(inout SurfacePoint point, uint row, vec2 at_px, vec3 x, mat2x3 along
     if (determinant == 0.0) {
         return;
     }
-    vec2 dx = vec2(b.y, -b.x) * (far / determinant);
-    vec2 dy = vec2(-a.y, a.x) * (far / determinant);
+    vec2 dx = vec2(b.y, -b.x) * (SAMPLE_SIDE * far / determinant);
+    vec2 dy = vec2(-a.y, a.x) * (SAMPLE_SIDE * far / determinant);
     point.at_dx = vec3(-dx.x - dx.y, dx);
     point.at_dy = vec3(-dy.x - dy.y, dy);
 }

@@ -4,8 +4,9 @@ use std::io::Cursor;
 
 use displace_tests::{
     cli::Run,
+    data::sample,
     meshes,
-    server::{displace, reference},
+    server::{displace, reference, validated},
 };
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma};
 use serde_json::json;
@@ -91,5 +92,26 @@ fn what_is_blended_has_heights_once_it_is_cut_off() {
         let render =
             format!("render glass.glb --height waves.png --method steep --alpha {alpha} --size 16x16 -o out.png");
         bench.run(&render).expect_success();
+    }
+}
+
+/// Where no edge of the plane is in sight; four triangles a texel at least, four samples a pixel as both have by default.
+#[test]
+fn exact_shows_what_displacement_does_within_a_mean_flip_of_two_hundredths() {
+    let bench = Bench::new();
+    let map = sample("maps/rock_height.png");
+    let remote = |words: &[&str]| displace(&[words, &["--server", validated(), "--json"]].concat()).expect_success();
+    for eye in ["0,0.9,0.5", "0,0.5,0.7", "0.3,0.45,0.8"] {
+        let drawn = |geometry: [&str; 2]| {
+            let (mesh, out) = (bench.path("plane.glb"), bench.path(&format!("{}.png", geometry[1])));
+            let detail = ["--height", &map.to_string_lossy(), "--scale", "0.06", "--midlevel", "0.5"];
+            let camera = ["--size", "192x192", "--eye", eye, "--look-at", "0,0,0", "--fov", "16"];
+            remote(&[&["render", &mesh], &detail[..], &camera[..], &geometry[..], &["-o", &out]].concat());
+            out
+        };
+        let [exact, fine] = [["--method", "exact"], ["--uniform", "9"]].map(drawn);
+        let flip = remote(&["compare", &exact, &fine]).json()["flip_mean"].as_f64().expect("a number");
+        assert!(flip < 0.02, "{eye}: {flip}");
+        assert!(flip > 0.001, "{eye}: {flip}: the two are the same picture");
     }
 }

@@ -18,6 +18,8 @@ pub struct Struck {
     pub depth: f64,
     /// Mesh-local normal of the heights there, of any length.
     pub facing: DVec3,
+    /// The same as displaced surfaces have it, from slopes averaged over a texel.
+    pub smooth: DVec3,
 }
 
 /// By the first four rows of an instance; none where nothing is met.
@@ -37,8 +39,15 @@ pub fn struck(
     let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
     let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
-    let facing = base.normal - surface_gradient(base.sides, base.normal, rises);
-    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing })
+    let normal = |rises: DVec2| base.normal - surface_gradient(base.sides, base.normal, rises);
+    let smooth = normal(base.texel_edges.transpose() * smooth_slope(level, march.place));
+    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing: normal(rises), smooth })
+}
+
+/// Change of height for each texel, by central differences over one.
+fn smooth_slope(level: &HeightLevel, place: DVec2) -> DVec2 {
+    let rise = |way: DVec2| level.height(place + way * 0.5) - level.height(place - way * 0.5);
+    DVec2::new(rise(DVec2::X), rise(DVec2::Y))
 }
 
 /// Of the weights, per pixel: the facet moves with them by `along`, and stays under the pixel or goes on to the next.

@@ -229,6 +229,9 @@ pub(crate) fn record_normals(recorder: &mut Recorder<'_>, frame: &Frame<'_>, cou
         ("marches", &work.march.marches),
         ("bumps", &streams.bump.bumps),
         ("appearances", &work.appearances),
+        ("positions", &streams.positions),
+        ("instance_rows", &streams.instance_rows),
+        ("texels", &streams.relief.texels),
     ];
     Ok(recorder.dispatch(&SHADERS.relief_normals, count, &params, &bound)?)
 }

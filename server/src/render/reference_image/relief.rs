@@ -28,6 +28,9 @@ use crate::domain::{
 
 pub(super) use light::{Shade, left};
 
+/// Of a pixel's side: each of its samples is shaded by itself, and the four are averaged.
+const SAMPLE_SIDE: f64 = 0.5;
+
 /// The heights of a material.
 struct Heights {
     map: Arc<ReliefMap>,
@@ -64,6 +67,8 @@ pub(super) struct OnHeights {
     pub(super) position: DVec3,
     /// Towards the viewer's side, unit.
     pub(super) facing: DVec3,
+    /// Of the displaced surface there, unit.
+    pub(super) smooth: DVec3,
 }
 
 impl Relief {
@@ -110,6 +115,7 @@ impl Relief {
         Found::Struck(Box::new(OnHeights {
             position: place.world(4, struck.point.extend(1.0)),
             facing: unit_or_zero(place.world(7, struck.facing.extend(0.0))),
+            smooth: unit_or_zero(place.world(7, struck.smooth.extend(0.0))),
             struck,
             march,
         }))
@@ -119,7 +125,8 @@ impl Relief {
 impl OnHeights {
     /// Of the corners, where they were `base`.
     pub(super) fn weights(&self, base: &Barycentrics) -> Barycentrics {
-        let [dx, dy] = self.struck.changes.unwrap_or([base.dx, base.dy]);
+        let by_sample = |changes: [DVec3; 2]| changes.map(|change| change * SAMPLE_SIDE);
+        let [dx, dy] = self.struck.changes.map_or([base.dx, base.dy], by_sample);
         Barycentrics { at: self.struck.at, dx, dy, clockwise: base.clockwise }
     }
 

@@ -62,6 +62,8 @@ struct Under {
     /// Interpolated, towards the viewer's side.
     normal: DVec3,
     facing: DVec3,
+    /// As displaced surfaces have it; where depth is found.
+    struck: Option<DVec3>,
     flip: f64,
     shade: Option<Shade>,
     march: Option<March>,
@@ -98,16 +100,15 @@ impl Shader {
         bumps: &BumpTables,
         at_px: [f64; 2],
     ) -> Hit {
-        let Under { b, position, normal, facing, flip, shade, march } = self.under(place, at_px);
+        let Under { b, position, normal, facing, struck, flip, shade, march } = self.under(place, at_px);
         let mapped = self.mapped(place, source, &b);
         let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
         let under = appearance::Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
         let mut look = appearance(factors, &under, &mapped);
         look.normal =
             bent(place, bumps, b.at, &Unbent { source, mapped: &mapped, normal: look.normal, smooth: normal, flip });
-        let is_struck = march.as_ref().is_some_and(March::is_hit) && self.relief.finds_depth(place.part.material);
-        if is_struck {
-            look.normal = struck_normal(place, source, &b, [look.normal, facing]);
+        if let Some(struck) = struck {
+            look.normal = struck_normal(place, source, &b, [look.normal, struck]);
         }
         let normal_change = |weights: DVec3| flip * place.normal_change(b.at, weights);
         let position_change = |weights: DVec3| place.position_change(weights);
@@ -136,11 +137,14 @@ impl Shader {
         let found = self.relief.found(place, (&b, flip), at_px);
         let march = found.march();
         let (position, normal) = (place.position(b.at), flip * place.normal(b.at));
-        let base = Under { b, position, normal, facing: flip * place.front(), flip, shade: None, march };
+        let base = Under { b, position, normal, facing: flip * place.front(), struck: None, flip, shade: None, march };
         let struck = match found {
             Found::Base | Found::Missed(_) => base,
             Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
-            Found::Struck(on) => Under { b: on.weights(&b), position: on.position, facing: on.facing, ..base },
+            Found::Struck(on) => {
+                let b = on.weights(&b);
+                Under { b, position: on.position, facing: on.facing, struck: Some(on.smooth), ..base }
+            }
         };
         let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at) } else { None };
         Under { shade, ..struck }

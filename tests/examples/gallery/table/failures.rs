@@ -13,7 +13,7 @@ const AT_85: &str = "--size 288x96 --eye 0,0.1743,1.9924 --look-at 0,0,0 --fov 6
 const SHEET: &str = "sheet.glb --size 288x216 --eye 0.5,1.7,2.4 --look-at 0.05,-0.05,0.1 --fov 40 --base-color bricks_color.png --height bricks.png --scale 0.09 --midlevel 1";
 const MIRRORED: &str = "mirrored.glb --size 288x216 --eye 0,1.6,2.3 --look-at 0,0,0.22 --fov 43 --base-color bricks_color.png --height bricks.png --scale 0.09 --midlevel 1";
 const BALL: &str = "ball.glb --size 288x240 --orbit -30,20,3.3 --light -0.6,1,0.8 --ambient 0.12 --height domes.png --scale 0.22 --midlevel 0.5";
-const TORUS: &str = "torus.glb --size 288x216 --orbit -30,35,3.5 --light -0.6,1,0.8 --ambient 0.12 --height domes.png --scale 0.2 --midlevel 0.5";
+const TORUS: &str = "torus.glb --size 288x216 --orbit -30,35,4.2 --light -0.6,1,0.8 --ambient 0.12 --height domes.png --scale 0.2 --midlevel 0.5";
 const LOW: &str = "--size 288x176 --eye 0,1,1.7321 --look-at 0,0,0 --fov 16 --light -1,0.35,-0.2 --ambient 0.15";
 const SUNK: &str = "sunk.glb --size 288x216 --eye 0.3,0.9,1.2 --look-at 0,0,0 --fov 36 --material surface --height bricks.png --scale 0.12 --midlevel 0.5";
 
