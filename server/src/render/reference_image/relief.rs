@@ -11,7 +11,7 @@ use displace_glsl::{
     methods::Marcher,
     reference::{
         relief::{
-            March, ReliefMap, flat,
+            March, ReliefMap, flat, leaving,
             pixel_ray::pixel_ray,
             relieve::{self, Struck},
         },
@@ -20,7 +20,10 @@ use displace_glsl::{
 };
 use glam::{DVec2, DVec3};
 
-use super::place::{Place, blend, vec3};
+use super::{
+    place::{Place, blend, vec3},
+    shading::Hit,
+};
 use crate::domain::{
     Error, Result,
     image::{RenderScene, SelfShadow, Silhouettes},
@@ -83,6 +86,22 @@ impl Relief {
     /// Whether it decides what is seen of a material.
     pub(super) fn finds_depth(&self, material: u32) -> bool {
         self.marcher.is_some_and(|marcher| marcher.finds_depth) && self.heights[material as usize].is_some()
+    }
+
+    /// Whether a ray from what is seen, along a direction, only leaves what heights of a base triangle lie in.
+    pub(super) fn is_left(&self, place: &Place<'_>, weights: DVec3, (hit, direction): (&Hit, DVec3)) -> bool {
+        let Some(heights) = &self.heights[place.part.material as usize] else { return false };
+        let front = place.front();
+        // What a height of 1 rises above the triangle.
+        let column = |axis: DVec3| front.dot(place.world(4, axis.extend(0.0)));
+        let unit = DVec3::new(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)).length();
+        let base = leaving::Base {
+            corners: [DVec3::X, DVec3::Y, DVec3::Z].map(|corner| place.position(corner)),
+            front,
+            heights: heights.range.start * unit..heights.range.end * unit,
+            is_own: hit.instance == place.part.instance && hit.material == place.part.material,
+        };
+        base.is_left(&leaving::Start { position: hit.position, direction, normal: hit.normal }, weights)
     }
 
     fn shows(&self, material: u32) -> Option<(&'static Marcher, &Heights)> {

@@ -45,6 +45,7 @@ pub(super) struct Hit {
     pub(super) corners: [(DVec3, DVec3); 3],
     pub(super) weights: DVec3,
     pub(super) material: u32,
+    pub(super) instance: u32,
     /// Where on the image.
     pub(super) pixel: [u32; 2],
     /// Of interpolated normal and position, by pixels.
@@ -124,6 +125,7 @@ impl Shader {
             corners: [DVec3::X, DVec3::Y, DVec3::Z].map(corner),
             weights: b.at,
             material: place.part.material,
+            instance: place.part.instance,
             pixel: at_px.map(|x| x as u32),
             shade,
             march,
