@@ -1,8 +1,10 @@
 //! Light on heights that are shown per pixel: what keeps it off, and what must not.
 
-use displace_glsl::methods::Method;
+use displace_glsl::methods::{METHODS, Method};
 use displace_server::domain::{
-    image::{HeightMap, ImageSet, RenderLight, RenderMaterial, RenderScene, Shading},
+    image::{
+        HeightMap, ImageSet, RenderAlpha, RenderInstance, RenderLight, RenderMaterial, RenderScene, SelfShadow, Shading,
+    },
     request::Shadows,
 };
 use displace_tests::meshes;
@@ -10,6 +12,7 @@ use glam::DVec3;
 
 use super::{
     looks::assert_agrees,
+    reference,
     relief::{in_relief, waves},
     render,
     scenes::{Builder, IDENTITY, material, render_mesh, view_camera},
@@ -57,9 +60,7 @@ fn floors(low: f32) -> RenderScene {
     builder.add(render_mesh(&meshes::plane(2)), in_relief(raised(low, 0.05)), scaled(2.0, [0.0; 3]));
     let mut scene = lit_by([0.3, 1.0, 0.1], builder);
     let above = scaled(0.6, [0.0, 0.4, 0.0]);
-    scene
-        .instances
-        .push(displace_server::domain::image::RenderInstance { world_from_mesh: above, ..scene.instances[0] });
+    scene.instances.push(RenderInstance { world_from_mesh: above, ..scene.instances[0] });
     scene
 }
 
@@ -88,7 +89,7 @@ fn a_ball_in_a_pit_sees_the_sun() {
     let normal = |i: usize| DVec3::from_array(open.normal.as_ref().expect("normals")[i].map(f64::from));
     let lit = (0..open.color.len()).filter(|i| is_ball(&i) && normal(*i).y > 0.3).count();
     let dark = darker(&open, &with).iter().filter(|i| is_ball(i) && normal(**i).y > 0.3).count();
-    assert!(lit > 300 && dark == 0, "{dark} of {lit}");
+    assert!(lit > 150 && dark == 0, "{dark} of {lit}");
     assert_agrees(&RenderScene { shadows: Shadows::Ray, ..scene }, 1e-2, "a ball in a pit");
 }
 
@@ -102,4 +103,64 @@ fn a_coarse_ball_with_pits_is_lit_up_to_its_edge() {
     let count = shaded(&scene);
     assert!(count <= 20, "{count} pixels");
     assert_agrees(&RenderScene { shadows: Shadows::Ray, ..scene }, 1e-2, "a coarse ball");
+}
+
+/// Waves no steeper than 0.2, under a sun at more than 20 degrees: there is no shadow anywhere.
+#[test]
+fn heights_that_no_sun_is_hidden_by_are_lit_in_shadow_maps_by_every_method() {
+    for row in METHODS.iter().filter(|row| row.marcher.is_some_and(|marcher| marcher.finds_depth)) {
+        let mut builder = Builder::lit(view_camera([0.0, 2.2, 1.6], [0.0; 3], 50.0, SIDE, SIDE));
+        let mut waved = in_relief(waves(64, 0.01));
+        waved.relief.as_mut().expect("relief").steps = if row.method == Method::Exact { 0 } else { 12 };
+        builder.add(render_mesh(&meshes::plane(2)), waved, scaled(2.0, [0.0; 3]));
+        let mut scene = lit_by([0.9, 0.38, 0.2], builder);
+        scene.relief.method = row.method;
+        let mapped = RenderScene { shadows: Shadows::Map, ..scene.clone() };
+        let count = darker(&render(&scene, SIDE, SIDE), &render(&mapped, SIDE, SIDE)).len();
+        assert!(count <= 40, "{}: {count} pixels", row.name);
+        assert_agrees(&mapped, 1e-2, row.name);
+    }
+}
+
+/// A wall 0.3 high, and a lamp 0.1 above the ground before it, from which all ways come down to the ground.
+#[test]
+fn what_stands_behind_a_lamp_shadows_nothing() {
+    let map = waves(64, 0.0);
+    let heights = (0..64 * 64).map(|i| if i % 64 >= 40 { 0.3 } else { 0.0 }).collect();
+    let mut builder = Builder::lit(view_camera([-0.6, 2.4, 1.2], [-0.2, 0.0, 0.0], 45.0, SIDE, SIDE));
+    builder.add(
+        render_mesh(&meshes::plane(2)),
+        in_relief(HeightMap { heights, repeats: [false; 2], ..map }),
+        scaled(2.0, [0.0; 3]),
+    );
+    let mut scene = lit_by([0.0, 1.0, 0.0], builder);
+    scene.lighting.lights = vec![RenderLight::point([0.1, 0.2, 0.0])];
+    for self_shadow in [SelfShadow::Hard, SelfShadow::Soft] {
+        let open = render(&scene, SIDE, SIDE);
+        let mut shadowed = scene.clone();
+        shadowed.relief.self_shadow = self_shadow;
+        let image = render(&shadowed, SIDE, SIDE);
+        let position = |i: usize| open.position.as_ref().expect("positions")[i];
+        let on_ground = |i: &usize| position(*i)[0] < 0.0 && position(*i)[1].abs() < 0.01 && open.color[*i][0] > 0.1;
+        let count = (0..open.color.len()).filter(on_ground).count();
+        let dark = darker(&open, &image).into_iter().filter(on_ground).count();
+        assert!(count > 1000 && dark == 0, "{self_shadow:?}: {dark} of {count}");
+        assert_agrees(&shadowed, 1e-2, &format!("{self_shadow:?}"));
+    }
+}
+
+#[test]
+fn marches_behind_a_pane_are_counted_once_whatever_else_is_shown() {
+    let mut builder = Builder::lit(view_camera([0.0, 2.2, 1.6], [0.0; 3], 50.0, SIDE, SIDE));
+    builder.add(render_mesh(&meshes::plane(2)), in_relief(waves(64, 0.05)), scaled(2.0, [0.0; 3]));
+    let mut pane = material([0.2, 0.5, 0.9], None);
+    (pane.alpha, pane.base_color_factor[3]) = (RenderAlpha::Blend, 0.4);
+    builder.add(render_mesh(&meshes::plane(1)), pane, scaled(0.8, [0.0, 0.4, 0.0]));
+    let scene = lit_by([0.3, 1.0, 0.1], builder);
+    let counters = |image: ImageSet| image.counters.expect("counters");
+    let all = counters(render(&scene, SIDE, SIDE));
+    let bare = RenderScene { aovs: Vec::new(), ..scene.clone() };
+    assert_eq!(counters(render(&bare, SIDE, SIDE)), all);
+    let twin = counters(reference(&scene, SIDE, SIDE));
+    assert!(all.rays.abs_diff(twin.rays) * 500 < all.rays, "{} rays, {} of the twin", all.rays, twin.rays);
 }

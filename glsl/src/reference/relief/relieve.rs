@@ -14,6 +14,8 @@ pub struct Struck {
     pub changes: Option<[DVec3; 2]>,
     /// Mesh-local.
     pub point: DVec3,
+    /// From there up to the heights, which a step may have gone below, mesh-local.
+    pub lift: DVec3,
     /// Reversed.
     pub depth: f64,
     /// Mesh-local normal of the heights there, of any length.
@@ -32,13 +34,15 @@ pub fn struck(
     if !march.is_hit() {
         return None;
     }
-    let point = ray.origin + ray.direction * course.place(march.s).w;
+    let node = course.place(march.s);
+    let point = ray.origin + ray.direction * node.w;
+    let lift = base.normal * (level.height(march.place) - node.z).max(0.0);
     let rises = base.texel_edges.transpose() * slope(level, march.place.floor().as_ivec2(), march.place);
     let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
     let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
     let facing = base.normal - surface_gradient(base.sides, base.normal, rises);
-    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing })
+    Some(Struck { at: base.weights(march.place), changes, point, lift, depth: z / w, facing })
 }
 
 /// Of the weights, per pixel: the facet moves with them by `along`, and stays under the pixel or goes on to the next.

@@ -46,7 +46,7 @@ pub fn resolve_bumps(
     for (material, shading) in of_material.iter_mut().enumerate().filter(|(_, shading)| is_bare(shading)) {
         shading.bump = resolver.of_file(scene, material)?;
     }
-    let has_own = |material: usize| method.marcher().is_some() && scene.materials[material].has_normal_map;
+    let has_own = |material: usize| method.marcher().is_some() && scene.materials[material].normal.is_some();
     for (_, shading) in of_material.iter_mut().enumerate().filter(|(material, _)| has_own(*material)) {
         shading.bump = shading.bump.take().filter(|_| shading.has_normals);
     }

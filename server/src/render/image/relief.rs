@@ -352,6 +352,8 @@ fn record_struck(
         finds_depth: u32::from(marcher.finds_depth),
         has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
         tests: u32::from(stage.tests()),
+        // What lights see has no steps.
+        lifts: u32::from(scene.shadows == Shadows::Map),
     };
     let bound = [
         ("fragments", &work.fragments),

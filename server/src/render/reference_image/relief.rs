@@ -27,6 +27,7 @@ use super::{
 use crate::domain::{
     Error, Result,
     image::{RenderScene, SelfShadow, Silhouettes},
+    request::Shadows,
 };
 
 pub(super) use light::{Shade, left};
@@ -46,6 +47,8 @@ pub(super) struct Relief {
     /// Of materials.
     heights: Vec<Option<Heights>>,
     self_shadow: SelfShadow,
+    /// Places are put on the heights above them.
+    lifts: bool,
 }
 
 /// What relief makes of what is seen of a triangle.
@@ -76,7 +79,7 @@ impl Relief {
         if marcher.is_some() {
             check(scene)?;
         }
-        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow })
+        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow, lifts: scene.shadows == Shadows::Map })
     }
 
     pub(super) fn is_shown(&self) -> bool {
@@ -127,7 +130,7 @@ impl Relief {
             return Found::Missed(march);
         };
         Found::Struck(Box::new(OnHeights {
-            position: place.world(4, struck.point.extend(1.0)),
+            position: place.world(4, (struck.point + if self.lifts { struck.lift } else { DVec3::ZERO }).extend(1.0)),
             facing: unit_or_zero(place.world(7, struck.facing.extend(0.0))),
             struck,
             march,
