@@ -11,7 +11,7 @@ struct Start {
 };
 
 // Whether a ray through the front of a base triangle, at `crossing`, only comes out of what its heights lie in: from no
-// farther behind it than they are deep, or from its own base, above which it has risen by no more than that.
+// farther behind it than they are deep, or from its own base, above which it has risen by no more than twice that: triangles bend away below it.
 bool leaves_relief(Start start, Part part, mat3 corner, vec3 crossing) {
     vec3 a = corner[1] - corner[0];
     vec3 b = corner[2] - corner[0];
@@ -38,5 +38,5 @@ bool leaves_relief(Start start, Part part, mat3 corner, vec3 crossing) {
     }
     bool is_own = start.instance == part.instance && start.material == part.material;
     float rise = dot(crossing - start.position, start.normal);
-    return is_own && rise > 0.0 && rise <= deepest;
+    return is_own && rise > 0.0 && rise <= 2.0 * deepest;
 }

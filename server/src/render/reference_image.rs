@@ -11,6 +11,7 @@ mod projected;
 mod relief;
 mod shading;
 mod shadow_map;
+mod textures;
 
 use displace_glsl::{
     layout::raster::{

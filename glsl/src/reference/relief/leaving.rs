@@ -29,7 +29,8 @@ pub struct Base {
 
 impl Base {
     /// Whether a ray that crosses it with these weights of the corners only comes out, through its front, of what its heights
-    /// lie in: from no farther behind than they are deep, or from its own base, above which it has risen by no more.
+    /// lie in: from no farther behind than they are deep, or from its own base, above which it has risen by no more than twice
+    /// that: triangles bend away below it.
     #[must_use]
     pub fn is_left(&self, start: &Start, weights: DVec3) -> bool {
         let [a, b, c] = self.corners;
@@ -44,7 +45,7 @@ impl Base {
         }
         let crossing = a * weights.x + b * weights.y + c * weights.z;
         let rise = (crossing - start.position).dot(start.normal);
-        self.is_own && rise > 0.0 && rise <= deepest
+        self.is_own && rise > 0.0 && rise <= 2.0 * deepest
     }
 }
 
@@ -82,7 +83,7 @@ mod tests {
         let along = |rise: f64| (DVec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0) - from).dot(up(rise));
         for (rise, expected) in [(0.04, true), (0.29, false)] {
             let normal = up(rise);
-            assert!((0.0..0.11).contains(&along(rise)) == expected, "{}", along(rise));
+            assert!((0.0..0.2).contains(&along(rise)) == expected, "{}", along(rise));
             assert_eq!(is_left(&floor(true), from, DVec3::Z, normal), expected);
             assert!(!is_left(&floor(false), from, DVec3::Z, normal));
         }

@@ -173,7 +173,9 @@ pub(crate) fn record(
     let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
     record_courses(recorder, frame, count)?;
     record_marches(recorder, frame, marcher, count)?;
-    if !stage.is_again() {
+    // What finds no depth tests none.
+    let is_asked = marcher.finds_depth || !stage.tests();
+    if is_asked && !stage.is_again() {
         record_costs(recorder, frame, slab, count)?;
     }
     record_struck(recorder, frame, marcher, count, stage)
