@@ -1,6 +1,7 @@
 #version 460
-// The way from each fragment's place to a light, over the height map of its material up to the greatest height, as if the base
-// went on flat. A thread per fragment. What lies below the horizon has no course, and a cosine below 0.
+// The way from each fragment's place to a light, over the height map of its material up to the greatest height or to the
+// light, as if the base went on flat across the normal that is interpolated there: so no edge is seen where facets meet. A
+// thread per fragment. What lies below that horizon has no course, and a cosine below 0.
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -59,10 +60,16 @@ void element(uint i) {
         corner[k] = LOAD(positions, point.vertices[k]);
         normal += LOAD(normals, point.vertices[k]) * inside[k];
     }
+    float squared = dot(normal, normal);
+    normal *= squared > 1e-30 && squared < 1e30 ? inversesqrt(squared) : 0.0;
+    for (int k = 1; k < 3; ++k) {
+        corner[k] -= normal * dot(normal, corner[k] - corner[0]);
+    }
     Light light = LOAD(lights, params.light);
-    vec3 way = light.kind == LIGHT_SUN ? light.direction : light.position - point.position;
+    bool is_sun = light.kind == LIGHT_SUN;
+    vec3 way = in_mesh(point.instance * INSTANCE_ROWS, is_sun ? light.direction : light.position - point.position);
     Plane plane = plane_of(corner, normal);
-    vec3 rate = in_plane(plane, normalize(in_mesh(point.instance * INSTANCE_ROWS, way)));
+    vec3 rate = in_plane(plane, normalize(way));
     if (plane.volume == 0.0 || !(rate.z > 0.0)) {
         return;
     }
@@ -72,6 +79,10 @@ void element(uint i) {
     float low = height_at_place(relief, LEVEL, place) + (relief.high - relief.low) / 1024.0;
     float high = with_margin(plane, vec2(relief.low, relief.high)).y;
     float t = (high - low) / rate.z;
+    if (!is_sun && length(way) < t) {
+        t = length(way);
+        high = low + rate.z * t;
+    }
     vec2 gone = texel_corners * vec3(-rate.x - rate.y, rate.xy) * t;
     STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));

@@ -19,6 +19,7 @@ layout(push_constant, scalar) uniform Params {
     uint finds_depth;  // else maps are shifted, and nothing else
     uint has_outlines; // of what has no course nothing is seen, and normals are those of the place that is struck
     uint tests;        // fragments are samples under test: what is missed becomes NOTHING, depths are told
+    uint lifts;        // places are put on the heights above them, which a step may have gone below
 } params;
 
 PAGED(0, readonly, Fragment, fragments);
@@ -98,7 +99,8 @@ void strike(inout SurfacePoint point, Relief relief, uint i, March march, mat3x2
     vec2 at_px = LOAD(fragments, i).at_px;
     Course course = LOAD(courses, i);
     PixelRay ray = pixel_ray(row, at_px, corner[0]);
-    vec3 x = corner[0] + ray.origin + node_at(i * COURSE_NODES, course.nodes, march.s).w * ray.direction;
+    vec4 node = node_at(i * COURSE_NODES, course.nodes, march.s);
+    vec3 x = corner[0] + ray.origin + node.w * ray.direction;
     vec3 n = unit_or_zero(normal * (params.has_outlines != 0u ? clamped(point.at) : base));
     vec2 slope = slope_at(relief, course.level, march.place);
     vec2 rises = slope * mat2(texel_corners[1] - texel_corners[0], texel_corners[2] - texel_corners[0]);
@@ -107,7 +109,8 @@ void strike(inout SurfacePoint point, Relief relief, uint i, March march, mat3x2
     vec3 facet = n - surface_gradient(corner[1] - corner[0], corner[2] - corner[0], n, rises);
     point.facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(facet, 0.0)));
     point.normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(n, 0.0)));
-    point.position = mapped(row + WORLD_ROW, vec4(x, 1.0));
+    float lift = params.lifts != 0u ? max(height_at_place(relief, course.level, march.place) - node.z, 0.0) : 0.0;
+    point.position = mapped(row + WORLD_ROW, vec4(x + lift * n, 1.0));
     point.flip = 1.0;
     float depth = dot(LOAD(instance_rows, row + 2u), vec4(x, 1.0)) / dot(LOAD(instance_rows, row + 3u), vec4(x, 1.0));
     if (params.tests != 0u) {

@@ -12,6 +12,7 @@ mod passes;
 pub(crate) mod projection;
 mod reflections;
 mod relief;
+mod relief_light;
 pub(crate) mod scenes;
 mod shadows;
 

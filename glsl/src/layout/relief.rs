@@ -60,6 +60,7 @@ mirrors! {
         pub finds_depth: u32,
         pub has_outlines: u32,
         pub tests: u32,
+        pub lifts: u32,
     }
 
     pub struct CourseLightParams {

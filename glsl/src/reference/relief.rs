@@ -7,6 +7,7 @@
 pub mod cone;
 pub mod exact;
 pub mod flat;
+pub mod leaving;
 pub mod light;
 pub mod occlusion;
 #[cfg(test)]

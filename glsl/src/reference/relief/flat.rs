@@ -8,9 +8,9 @@ use glam::{DMat2, DMat3, DVec2, DVec3, DVec4};
 use super::{Course, pixel_ray::PixelRay};
 
 /// Beyond the least and the greatest height, of their distance.
-const MARGIN: f64 = 1.0 / 64.0;
+pub(super) const MARGIN: f64 = 1.0 / 64.0;
 /// At least, of the longest side.
-const LEAST_MARGIN: f64 = 1.0 / 4096.0;
+pub(super) const LEAST_MARGIN: f64 = 1.0 / 4096.0;
 
 /// A triangle, and the direction that heights are above it along.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,14 @@ impl Base {
     #[must_use]
     pub fn along(&self, direction: DVec3) -> DVec3 {
         self.from_mesh * direction
+    }
+
+    /// With the sides laid across the normal; none where nothing is left of them.
+    #[must_use]
+    pub fn across_normal(&self) -> Option<Self> {
+        let [b, c] = self.sides.map(|side| self.first + side.reject_from_normalized(self.normal));
+        let texels = [DVec2::ZERO, self.texel_edges.x_axis, self.texel_edges.y_axis];
+        Self::new([self.first, b, c], self.normal, texels.map(|edge| self.first_texel + edge))
     }
 
     /// Weights of the corners at a place on the map.

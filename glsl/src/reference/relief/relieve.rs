@@ -14,6 +14,8 @@ pub struct Struck {
     pub changes: Option<[DVec3; 2]>,
     /// Mesh-local.
     pub point: DVec3,
+    /// From there up to the heights, which a step may have gone below, mesh-local.
+    pub lift: DVec3,
     /// Reversed.
     pub depth: f64,
     /// Mesh-local normal of the heights there, of any length.
@@ -34,14 +36,16 @@ pub fn struck(
     if !march.is_hit() {
         return None;
     }
-    let point = ray.origin + ray.direction * course.place(march.s).w;
+    let node = course.place(march.s);
+    let point = ray.origin + ray.direction * node.w;
+    let lift = base.normal * (level.height(march.place) - node.z).max(0.0);
     let rises = base.texel_edges.transpose() * slope(level, march.place.floor().as_ivec2(), march.place);
     let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
     let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
     let normal = |rises: DVec2| base.normal - surface_gradient(base.sides, base.normal, rises);
     let smooth = normal(base.texel_edges.transpose() * smooth_slope(level, march.place));
-    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing: normal(rises), smooth })
+    Some(Struck { at: base.weights(march.place), changes, point, lift, depth: z / w, facing: normal(rises), smooth })
 }
 
 /// Change of height for each texel, by central differences over one.

@@ -98,7 +98,7 @@ fn wrap(map: &HeightMap) -> u32 {
 
 /// The maps, for all of a render.
 pub(crate) struct ReliefStreams {
-    reliefs: Stream,
+    pub(crate) reliefs: Stream,
     levels: Stream,
     texels: Stream,
 }
@@ -147,8 +147,19 @@ impl MarchStreams {
 pub(crate) enum Stage {
     /// Samples whose depth decides what is seen; told again for the second half of keys.
     Tests { again: bool },
-    /// What is seen.
-    Shows,
+    /// What is seen; again for further outputs.
+    Shows { again: bool },
+}
+
+impl Stage {
+    /// Whether the same was marched before.
+    fn is_again(self) -> bool {
+        matches!(self, Self::Tests { again: true } | Self::Shows { again: true })
+    }
+
+    fn tests(self) -> bool {
+        matches!(self, Self::Tests { .. })
+    }
 }
 
 /// Moves the first `count` points to what is struck under them; nothing where no material has relief.
@@ -162,7 +173,9 @@ pub(crate) fn record(
     let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
     record_courses(recorder, frame, count)?;
     record_marches(recorder, frame, marcher, count)?;
-    if stage != (Stage::Tests { again: true }) {
+    // What finds no depth tests none.
+    let is_asked = marcher.finds_depth || !stage.tests();
+    if is_asked && !stage.is_again() {
         record_costs(recorder, frame, slab, count)?;
     }
     record_struck(recorder, frame, marcher, count, stage)
@@ -343,7 +356,9 @@ fn record_struck(
         uv_channels: scene.uv_channels,
         finds_depth: u32::from(marcher.finds_depth),
         has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
-        tests: u32::from(stage != Stage::Shows),
+        tests: u32::from(stage.tests()),
+        // What lights see has no steps.
+        lifts: u32::from(scene.shadows == Shadows::Map),
     };
     let bound = [
         ("fragments", &work.fragments),

@@ -11,7 +11,7 @@ use displace_glsl::{
     methods::Marcher,
     reference::{
         relief::{
-            March, ReliefMap, flat,
+            March, ReliefMap, flat, leaving,
             pixel_ray::pixel_ray,
             relieve::{self, Struck},
         },
@@ -20,10 +20,14 @@ use displace_glsl::{
 };
 use glam::{DVec2, DVec3};
 
-use super::place::{Place, blend, vec3};
+use super::{
+    place::{Place, blend, vec3},
+    shading::Hit,
+};
 use crate::domain::{
     Error, Result,
     image::{RenderScene, SelfShadow, Silhouettes},
+    request::Shadows,
 };
 
 pub(super) use light::{Shade, left};
@@ -46,6 +50,8 @@ pub(super) struct Relief {
     /// Of materials.
     heights: Vec<Option<Heights>>,
     self_shadow: SelfShadow,
+    /// Places are put on the heights above them.
+    lifts: bool,
 }
 
 /// What relief makes of what is seen of a triangle.
@@ -78,7 +84,7 @@ impl Relief {
         if marcher.is_some() {
             check(scene)?;
         }
-        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow })
+        Ok(Self { marcher, heights, self_shadow: scene.relief.self_shadow, lifts: scene.shadows == Shadows::Map })
     }
 
     pub(super) fn is_shown(&self) -> bool {
@@ -88,6 +94,22 @@ impl Relief {
     /// Whether it decides what is seen of a material.
     pub(super) fn finds_depth(&self, material: u32) -> bool {
         self.marcher.is_some_and(|marcher| marcher.finds_depth) && self.heights[material as usize].is_some()
+    }
+
+    /// Whether a ray from what is seen, along a direction, only leaves what heights of a base triangle lie in.
+    pub(super) fn is_left(&self, place: &Place<'_>, weights: DVec3, (hit, direction): (&Hit, DVec3)) -> bool {
+        let Some(heights) = &self.heights[place.part.material as usize] else { return false };
+        let front = place.front();
+        // What a height of 1 rises above the triangle.
+        let column = |axis: DVec3| front.dot(place.world(4, axis.extend(0.0)));
+        let unit = DVec3::new(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)).length();
+        let base = leaving::Base {
+            corners: [DVec3::X, DVec3::Y, DVec3::Z].map(|corner| place.position(corner)),
+            front,
+            heights: heights.range.start * unit..heights.range.end * unit,
+            is_own: hit.instance == place.part.instance && hit.material == place.part.material,
+        };
+        base.is_left(&leaving::Start { position: hit.position, direction, normal: hit.normal }, weights)
     }
 
     fn shows(&self, material: u32) -> Option<(&'static Marcher, &Heights)> {
@@ -113,7 +135,7 @@ impl Relief {
             return Found::Missed(march);
         };
         Found::Struck(Box::new(OnHeights {
-            position: place.world(4, struck.point.extend(1.0)),
+            position: place.world(4, (struck.point + if self.lifts { struck.lift } else { DVec3::ZERO }).extend(1.0)),
             facing: unit_or_zero(place.world(7, struck.facing.extend(0.0))),
             smooth: unit_or_zero(place.world(7, struck.smooth.extend(0.0))),
             struck,

@@ -40,10 +40,11 @@ impl Relief {
 }
 
 impl Shade {
-    /// Of a light along a direction in the world, how much arrives.
-    pub(in crate::render::reference_image) fn share(&self, direction: DVec3) -> f64 {
-        let direction = (self.mesh_from_world * direction).normalize();
-        let course = light::course(&self.base, &self.map.level, self.place, direction, &self.heights);
+    /// Of a light so far away along a unit direction in the world, how much arrives.
+    pub(in crate::render::reference_image) fn share(&self, direction: DVec3, far: f64) -> f64 {
+        let way = self.mesh_from_world * direction;
+        let way = (way.normalize(), far * way.length());
+        let course = light::course(&self.base, &self.map.level, self.place, way, &self.heights);
         course.map_or(0.0, |course| self.over(&course))
     }
 
