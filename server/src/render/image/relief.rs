@@ -5,8 +5,8 @@ use std::sync::Arc;
 use displace_glsl::{
     ComputeShader, SHADERS,
     layout::relief::{
-        COURSE_NODES, ConeMapParams, Course, CourseLightParams, CourseParams, March, MarchParams, Relief, ReliefLevel,
-        RelieveParams, SelfShadowParams, TallyParams,
+        COURSE_NODES, ConeMapParams, Course, CourseFlatParams, CourseLightParams, CourseParams, Landing, March,
+        MarchParams, Relief, ReliefLevel, RelieveParams, SelfShadowParams, TallyParams,
     },
     methods::{Marcher, Needs},
     reference::relief::{HeightLevel, exact},
@@ -126,6 +126,7 @@ pub(crate) struct MarchStreams {
     courses: Stream,
     nodes: Stream,
     marches: Stream,
+    landings: Stream,
     /// Of pixels: fetches, steps, marches that their bound ended, marches.
     costs: Stream,
 }
@@ -137,6 +138,7 @@ impl MarchStreams {
             courses: Stream::new(device, "courses", size_of::<Course>() as u32, len)?,
             nodes: Stream::new(device, "course nodes", 16, len * COURSE_NODES as u64)?,
             marches: Stream::new(device, "marches", size_of::<March>() as u32, len)?,
+            landings: Stream::new(device, "landings", size_of::<Landing>() as u32, len)?,
             costs: Stream::new(device, "costs", 16, pixels)?,
         })
     }
@@ -260,7 +262,12 @@ pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>,
 
 fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
+    let params = CourseLightParams {
+        count: count as u32,
+        uv_channels: scene.uv_channels,
+        light,
+        has_outlines: has_outlines(scene),
+    };
     let bound = [
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -273,8 +280,15 @@ fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u
         ("lights", &streams.lights),
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
     Ok(recorder.dispatch(&SHADERS.course_light, count, &params, &bound)?)
+}
+
+/// Else rays keep to charts.
+fn has_outlines(scene: &RenderScene) -> u32 {
+    u32::from(scene.relief.silhouettes != Silhouettes::None)
 }
 
 /// The shader that makes courses.
@@ -288,7 +302,6 @@ fn course_shader(silhouettes: Silhouettes) -> &'static ComputeShader {
 
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
     let silhouettes = scene.relief.silhouettes;
     let mut bound = vec![
         ("fragments", &work.fragments),
@@ -302,7 +315,16 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("course_nodes", &work.march.nodes),
     ];
     match silhouettes {
-        Silhouettes::None => bound.push(("normals", &streams.normals)),
+        Silhouettes::None => {
+            bound.extend([
+                ("normals", &streams.normals),
+                ("triangles", &streams.triangles),
+                ("chart_sides", &streams.chart_sides),
+            ]);
+            let finds_depth = u32::from(scene.marcher().is_some_and(|marcher| marcher.finds_depth));
+            let params = CourseFlatParams { count: count as u32, uv_channels: scene.uv_channels, finds_depth };
+            return Ok(recorder.dispatch(&SHADERS.course_flat, count, &params, &bound)?);
+        }
         Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
         Silhouettes::Quadric => bound.extend([
             ("directions", &streams.silhouettes.directions),
@@ -310,6 +332,7 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
             ("raises", &streams.silhouettes.raises),
         ]),
     }
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
     Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
 }
 
@@ -339,22 +362,28 @@ fn record_struck(
         count: count as u32,
         uv_channels: scene.uv_channels,
         finds_depth: u32::from(marcher.finds_depth),
-        has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
+        has_outlines: has_outlines(scene),
         tests: u32::from(stage != Stage::Shows),
     };
-    let bound = [
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
         ("positions", &streams.positions),
-        ("normals", &streams.normals),
         ("uvs", &streams.uvs),
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
         ("texels", &streams.relief.texels),
         ("courses", &work.march.courses),
+        ("landings", &work.march.landings),
+    ];
+    let landing = [
         ("course_nodes", &work.march.nodes),
         ("marches", &work.march.marches),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
+    recorder.dispatch(&SHADERS.land, count, &params, &[&shared[..], &landing].concat())?;
+    let bound = [&shared[..], &[("normals", &streams.normals)]].concat();
     Ok(recorder.dispatch(&SHADERS.relieve, count, &params, &bound)?)
 }

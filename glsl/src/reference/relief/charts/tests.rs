@@ -1,0 +1,1 @@
+//! Ways over charts against places found among all triangles.

@@ -1,0 +1,1 @@
+//! Sheets, seams and solids.
