@@ -77,13 +77,16 @@ Course bordered(uint first, Foot foot, SurfacePoint point, Relief relief, vec2 r
     uint node = first;
     STORE(course_nodes, node, next);
     for (uint k = 0u; k < back.bends; ++k) {
-        STORE(course_nodes, ++node, node_on(foot, size, -1.0, back.bend[back.bends - 1u - k]));
+        node += 1u;
+        STORE(course_nodes, node, node_on(foot, size, -1.0, back.bend[back.bends - 1u - k]));
     }
     for (uint k = 0u; k < forth.bends; ++k) {
-        STORE(course_nodes, ++node, node_on(foot, size, 1.0, forth.bend[k]));
+        node += 1u;
+        STORE(course_nodes, node, node_on(foot, size, 1.0, forth.bend[k]));
     }
     if (next.z > last.z) {
-        STORE(course_nodes, ++node, last);
+        node += 1u;
+        STORE(course_nodes, node, last);
     }
     return Course(node - first + 1u, point.material, LEVEL, 0.0, (back.end & 3u) | (forth.end & 3u) << 4);
 }

@@ -58,10 +58,12 @@ void clip(uint i, SurfacePoint point, Relief relief, vec3 rate, vec3 rise) {
     uint node = i * COURSE_NODES;
     for (uint k = 0u; k < way.bends; ++k) {
         vec3 bend = way.bend[k];
-        STORE(course_nodes, ++node, vec4(bend.xy * size - 0.5, rise.x + rise.y * bend.z, bend.z));
+        node += 1u;
+        STORE(course_nodes, node, vec4(bend.xy * size - 0.5, rise.x + rise.y * bend.z, bend.z));
     }
     if (way.end != WAY_INSIDE || way.bends > 0u) {
-        STORE(course_nodes, ++node, vec4(place_on(way, way.t) * size - 0.5, rise.x + rise.y * way.t, way.t));
+        node += 1u;
+        STORE(course_nodes, node, vec4(place_on(way, way.t) * size - 0.5, rise.x + rise.y * way.t, way.t));
         uint nodes = way.t > 0.0 ? node - i * COURSE_NODES + 1u : 0u;
         STORE(courses, i, Course(nodes, point.material, LEVEL, 1.0, 0u));
     }
