@@ -40,7 +40,7 @@ struct ChartSides {
     uvec3 how;    // its side, 2 bits; 1 bit: it is mirrored on the map; what is to be added to its places, 14 bits each
 };
 
-// Nothing of the mesh and the material is there.
+// Nothing of the mesh is there.
 const uint CHART_OPEN = 0xFFFFFFFFu;
 // The surface goes on, and is elsewhere on the map.
 const uint CHART_SEAM = 0xFFFFFFFEu;

@@ -139,7 +139,7 @@ impl Crossing {
 
 /// Fits 14 bits.
 pub const MOST_TURNS: i32 = 8191;
-/// `ChartSides::across` where nothing of the mesh and the material is.
+/// `ChartSides::across` where nothing of the mesh is.
 pub const CHART_OPEN: u32 = u32::MAX;
 /// `ChartSides::across` where the surface goes on, and is elsewhere on the map.
 pub const CHART_SEAM: u32 = u32::MAX - 1;

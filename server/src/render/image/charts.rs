@@ -40,20 +40,41 @@ pub(crate) fn concatenated(scene: &RenderScene) -> Vec<ChartSides> {
 
 fn of_mesh(scene: &RenderScene, mesh: &RenderMesh) -> Vec<ChartSides> {
     let mut sides = vec![ALONE; mesh.triangles.len()];
-    let mut materials: Vec<u32> = runs(mesh).map(|run| run.1).collect();
-    materials.sort_unstable();
-    materials.dedup();
-    let relief = |material: u32| Some((material, scene.materials[material as usize].relief.as_ref()?));
-    let reliefs: Vec<_> = materials.into_iter().filter_map(relief).collect();
-    if reliefs.is_empty() {
+    if runs(mesh).all(|(_, material)| scene.materials[material as usize].relief.is_none()) {
         return sides;
     }
-    let numbers = numbers(mesh);
-    for (material, relief) in reliefs {
-        let uv_channels = scene.uv_channels as usize;
-        Charted { mesh, relief, uv_channels, numbers: &numbers }.join(material, &mut sides);
+    let mut material_of = vec![0; mesh.triangles.len()];
+    runs(mesh).for_each(|(run, material)| material_of[run].fill(material));
+    let (numbers, uv_channels) = (numbers(mesh), scene.uv_channels as usize);
+    let charted = |relief| Charted { mesh, relief, uv_channels, numbers: &numbers };
+    for same in edges(mesh, &numbers).chunk_by(|a, b| a.0 == b.0) {
+        for (_, this) in same {
+            let [t, k] = *this;
+            let Some(relief) = &scene.materials[material_of[t] as usize].relief else { continue };
+            let mut others = same.iter().map(|side| side.1).filter(|other| other != this);
+            let mut alike = others.clone().filter(|[other, _]| material_of[*other] == material_of[t]);
+            let joined = match (alike.next(), alike.next()) {
+                (Some(other), None) => charted(relief).crossing(*this, other),
+                _ => None,
+            };
+            (sides[t].across[k], sides[t].how[k]) = match joined {
+                Some((triangle, crossing)) => (triangle, crossing.packed()),
+                None => (if others.next().is_some() { CHART_SEAM } else { CHART_OPEN }, 0),
+            };
+        }
     }
     sides
+}
+
+/// Of all sides of all triangles the numbers of their ends, in order; those that are equal beside each other.
+fn edges(mesh: &RenderMesh, numbers: &[u32]) -> Vec<([u32; 2], [usize; 2])> {
+    let of_side = |t: usize, k: usize| {
+        let [a, b] = [k, (k + 1) % 3].map(|k| numbers[mesh.triangles[t][k] as usize]);
+        ([a.min(b), a.max(b)], [t, k])
+    };
+    let mut edges: Vec<_> = (0..mesh.triangles.len()).flat_map(|t| (0..3).map(move |k| of_side(t, k))).collect();
+    edges.par_sort_unstable();
+    edges
 }
 
 /// Of vertices, the same for those at the same position.
@@ -74,40 +95,6 @@ struct Charted<'a> {
 }
 
 impl Charted<'_> {
-    /// Finds what lies beyond the sides of the material's triangles.
-    fn join(&self, material: u32, sides: &mut [ChartSides]) {
-        let of_material = runs(self.mesh).filter(|run| run.1 == material).flat_map(|run| run.0);
-        let mut edges: Vec<([u32; 2], u32)> = of_material
-            .flat_map(|t| (0..3).map(move |k| (t, k)))
-            .map(|(t, k)| (self.edge(t, k), (3 * t + k) as u32))
-            .collect();
-        edges.par_sort_unstable();
-        for same in edges.chunk_by(|a, b| a.0 == b.0) {
-            for (this, side) in same {
-                let (t, k) = (*side as usize / 3, *side as usize % 3);
-                let other = same.iter().map(|edge| edge.1).find(|other| other != side);
-                let joined = match (same.len(), other) {
-                    (1, _) => None,
-                    (2, Some(other)) if this[0] != this[1] => {
-                        Some(self.crossing([t, k], [other as usize / 3, other as usize % 3]))
-                    }
-                    _ => Some(None),
-                };
-                (sides[t].across[k], sides[t].how[k]) = match joined {
-                    None => (CHART_OPEN, 0),
-                    Some(None) => (CHART_SEAM, 0),
-                    Some(Some((triangle, crossing))) => (triangle, crossing.packed()),
-                };
-            }
-        }
-    }
-
-    /// Numbers of the ends of a side, in order.
-    fn edge(&self, triangle: usize, side: usize) -> [u32; 2] {
-        let [a, b] = self.ends(triangle, side).map(|v| self.numbers[v]);
-        [a.min(b), a.max(b)]
-    }
-
     fn ends(&self, triangle: usize, side: usize) -> [usize; 2] {
         [side, (side + 1) % 3].map(|k| self.mesh.triangles[triangle][k] as usize)
     }
@@ -115,7 +102,8 @@ impl Charted<'_> {
     /// How the second triangle goes on where the first ends; none where it does not on the map.
     fn crossing(&self, [this, k]: [usize; 2], [other, side]: [usize; 2]) -> Option<(u32, Crossing)> {
         let ([a, b], [d, c]) = (self.ends(this, k), self.ends(other, side));
-        let is_turned = self.numbers[a] == self.numbers[c] && self.numbers[b] == self.numbers[d];
+        let [from, to] = [a, b].map(|v| self.numbers[v]);
+        let is_turned = from != to && from == self.numbers[c] && to == self.numbers[d];
         let goes_on = is_turned && self.normal(this).dot(self.normal(other)) >= LEAST_COSINE;
         let (area, beyond) = (self.area(this)?, self.area(other)?);
         let turns = self.turns(self.place(a) - self.place(c), self.place(b) - self.place(d))?;

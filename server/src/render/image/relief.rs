@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    ComputeShader, SHADERS,
+    SHADERS,
     layout::relief::{
         COURSE_NODES, ConeMapParams, Course, CourseFlatParams, CourseLightParams, CourseParams, Landing, March,
         MarchParams, Relief, ReliefLevel, RelieveParams, SelfShadowParams, TallyParams,
@@ -291,19 +291,9 @@ fn has_outlines(scene: &RenderScene) -> u32 {
     u32::from(scene.relief.silhouettes != Silhouettes::None)
 }
 
-/// The shader that makes courses.
-fn course_shader(silhouettes: Silhouettes) -> &'static ComputeShader {
-    match silhouettes {
-        Silhouettes::None => &SHADERS.course_flat,
-        Silhouettes::Shell => &SHADERS.course_shell,
-        Silhouettes::Quadric => &SHADERS.course_quadric,
-    }
-}
-
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let silhouettes = scene.relief.silhouettes;
-    let mut bound = vec![
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -314,26 +304,31 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
     ];
-    match silhouettes {
-        Silhouettes::None => {
-            bound.extend([
-                ("normals", &streams.normals),
-                ("triangles", &streams.triangles),
-                ("chart_sides", &streams.chart_sides),
-            ]);
-            let finds_depth = u32::from(scene.marcher().is_some_and(|marcher| marcher.finds_depth));
-            let params = CourseFlatParams { count: count as u32, uv_channels: scene.uv_channels, finds_depth };
-            return Ok(recorder.dispatch(&SHADERS.course_flat, count, &params, &bound)?);
+    let own = &streams.silhouettes;
+    let directions = ("directions", &own.directions);
+    let (shader, more) = match scene.relief.silhouettes {
+        Silhouettes::None => return record_flat_courses(recorder, frame, count, &shared),
+        Silhouettes::Shell => (&SHADERS.course_shell, vec![directions]),
+        Silhouettes::Quadric => {
+            (&SHADERS.course_quadric, vec![directions, ("bends", &own.bends), ("raises", &own.raises)])
         }
-        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
-        Silhouettes::Quadric => bound.extend([
-            ("directions", &streams.silhouettes.directions),
-            ("bends", &streams.silhouettes.bends),
-            ("raises", &streams.silhouettes.raises),
-        ]),
-    }
+    };
     let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
-    Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
+    Ok(recorder.dispatch(shader, count, &params, &[&shared[..], &more].concat())?)
+}
+
+fn record_flat_courses(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    count: u64,
+    shared: &[(&'static str, &Stream)],
+) -> Result<()> {
+    let Frame { scene, streams, .. } = frame;
+    let finds_depth = u32::from(scene.marcher().is_some_and(|marcher| marcher.finds_depth));
+    let params = CourseFlatParams { count: count as u32, uv_channels: scene.uv_channels, finds_depth };
+    let more =
+        [("normals", &streams.normals), ("triangles", &streams.triangles), ("chart_sides", &streams.chart_sides)];
+    Ok(recorder.dispatch(&SHADERS.course_flat, count, &params, &[shared, &more].concat())?)
 }
 
 fn record_marches(recorder: &mut Recorder<'_>, frame: &Frame<'_>, marcher: &Marcher, count: u64) -> Result<()> {
