@@ -1,7 +1,8 @@
 #version 460
 // The way from each fragment's place to a light, over the height map of its material up to the greatest height or to the
-// light, as if the base went on flat across the normal that is interpolated there: so no edge is seen where facets meet. A
-// thread per fragment. What lies below that horizon has no course, and a cosine below 0.
+// light, as if the base went on flat across the normal that is interpolated there: so no edge is seen where facets meet. It
+// stays within its chart: nothing beyond takes light. A thread per fragment. What lies below that horizon has no course, and
+// a cosine below 0.
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -15,6 +16,7 @@ layout(push_constant, scalar) uniform Params {
     uint count;
     uint uv_channels;
     uint light;
+    uint has_outlines; // ways go on beyond charts
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -28,9 +30,12 @@ PAGED(7, readonly, float, texels);
 PAGED(8, readonly, Light, lights);
 PAGED(9, writeonly, Course, courses);
 PAGED(10, writeonly, vec4, course_nodes);
+PAGED(11, readonly, uvec3, triangles);
+PAGED(12, readonly, ChartSides, chart_sides);
 
 #include "course_texels.glsl"
 #include "course_plane.glsl"
+#include "chart_walk.glsl"
 #include "tiled.glsl"
 #include "taps.glsl"
 #include "relief_slope.glsl"
@@ -45,14 +50,35 @@ vec3 in_mesh(uint row, vec3 way) {
     return volume != 0.0 ? (way.x * across + way.y * cross(z, x) + way.z * cross(x, y)) / volume : vec3(0.0);
 }
 
+// Ends the course where its chart does, and bends it; `rise` is the height where it begins, how it changes, and where it
+// is to end.
+void clip(uint i, SurfacePoint point, Relief relief, vec3 rate, vec3 rise) {
+    mat3x2 places = places_of(relief, point.vertices);
+    Way way = way_from(point.triangle, places * point.at, places * rate);
+    follow(relief, way, rise.z);
+    vec2 size = vec2(LOAD(relief_levels, relief.level_first + LEVEL).size);
+    uint node = i * COURSE_NODES;
+    for (uint k = 0u; k < way.bends; ++k) {
+        vec3 bend = way.bend[k];
+        node += 1u;
+        STORE(course_nodes, node, vec4(bend.xy * size - 0.5, rise.x + rise.y * bend.z, bend.z));
+    }
+    if (way.end != WAY_INSIDE || way.bends > 0u) {
+        node += 1u;
+        STORE(course_nodes, node, vec4(place_on(way, way.t) * size - 0.5, rise.x + rise.y * way.t, way.t));
+        uint nodes = way.t > 0.0 ? node - i * COURSE_NODES + 1u : 0u;
+        STORE(courses, i, Course(nodes, point.material, LEVEL, 1.0, 0u));
+    }
+}
+
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
     if (relief.level_count == 0u || point.flip < 0.0) {
-        STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+        STORE(courses, i, Course(0u, point.material, LEVEL, 0.0, 0u));
         return;
     }
-    STORE(courses, i, Course(0u, point.material, LEVEL, -1.0));
+    STORE(courses, i, Course(0u, point.material, LEVEL, -1.0, 0u));
     mat3 corner;
     vec3 normal = vec3(0.0);
     vec3 inside = max(point.at, vec3(0.0));
@@ -86,7 +112,10 @@ void element(uint i) {
     vec2 gone = texel_corners * vec3(-rate.x - rate.y, rate.xy) * t;
     STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));
-    STORE(courses, i, Course(2u, point.material, LEVEL, 1.0));
+    STORE(courses, i, Course(2u, point.material, LEVEL, 1.0, 0u));
+    if (params.has_outlines == 0u) {
+        clip(i, point, relief, vec3(-rate.x - rate.y, rate.xy), vec3(low, rate.z, t));
+    }
 }
 
 #include "batch.glsl"

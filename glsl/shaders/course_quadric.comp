@@ -43,7 +43,7 @@ vec3 unit_direction(uint vertex) {
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0, 0u));
     if (relief.level_count == 0u) {
         return;
     }
@@ -74,7 +74,7 @@ void element(uint i) {
         vec4 at = flight_at(flight, t);
         STORE(course_nodes, i * COURSE_NODES + n, vec4(texels * at.xyz, at.w * prism.side, flight.t + t));
     }
-    STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright))));
+    STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright)), 0u));
 }
 
 #include "batch.glsl"

@@ -32,7 +32,7 @@ PAGED(9, writeonly, vec4, course_nodes);
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0, 0u));
     if (relief.level_count == 0u) {
         return;
     }
@@ -64,7 +64,7 @@ void element(uint i) {
         STORE(course_nodes, i * COURSE_NODES + n, vec4(texels * under.weights, height_of_place(prism, under), t));
     }
     if (found) {
-        STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright))));
+        STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright)), 0u));
     }
 }
 

@@ -2,6 +2,7 @@
 //! what must hold whatever the scene.
 
 mod alpha;
+mod borders;
 mod bump;
 mod filters;
 mod light;

@@ -4,6 +4,8 @@
 //! All lengths across are texels of one level: texel (i, j) is at x = i, y = j, heights are bilinear between. A ray
 //! meets the surface where it goes from above it to on or below it; one that starts below is let out first.
 
+pub mod bordered;
+pub mod charts;
 pub mod cone;
 pub mod exact;
 pub mod flat;

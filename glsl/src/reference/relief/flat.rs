@@ -87,18 +87,26 @@ impl Base {
     }
 }
 
-/// Down through all heights; none of a ray that does not go down.
+/// Of t, from above all heights to below them; none of a ray that does not go down.
 #[must_use]
-pub fn course(base: &Base, ray: &PixelRay, heights: Range<f64>) -> Option<Course> {
+pub fn range(base: &Base, ray: &PixelRay, heights: &Range<f64>) -> Option<Range<f64>> {
     let (start, change) = (base.under(ray.origin), base.along(ray.direction));
     if change.z >= 0.0 {
         return None;
     }
-    let margin = base.margin(&heights);
+    let margin = base.margin(heights);
     let time = |height: f64| (height - start.z) / change.z;
     let (first, last) = (time(heights.end + margin).max(ray.least), time(heights.start - margin));
-    let nodes = [first, last].map(|t| base.node(start + change * t, t)).to_vec();
-    (first < last).then(|| Course { nodes, cosine: ray.direction.dot(base.normal).abs() })
+    (first < last).then_some(first..last)
+}
+
+/// Down through all heights, as if the map had no borders; none of a ray that does not go down.
+#[must_use]
+pub fn course(base: &Base, ray: &PixelRay, heights: Range<f64>) -> Option<Course> {
+    let range = range(base, ray, &heights)?;
+    let (start, change) = (base.under(ray.origin), base.along(ray.direction));
+    let nodes = [range.start, range.end].map(|t| base.node(start + change * t, t)).to_vec();
+    Some(Course { nodes, cosine: ray.direction.dot(base.normal).abs() })
 }
 
 #[cfg(test)]

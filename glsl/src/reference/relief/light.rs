@@ -2,9 +2,13 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
-use super::{Course, HeightLevel, flat::Base};
+use super::{
+    Course, HeightLevel,
+    charts::{Charts, MOST_BENDS, Way},
+    flat::Base,
+};
 
 /// Of the heights' range, how far above what is struck a way begins, so that it does not meet the facet it leaves.
 const LIFT: f64 = 1.0 / 1024.0;
@@ -31,10 +35,25 @@ pub fn course(
     Some(Course { nodes, cosine: 1.0 })
 }
 
+/// The same within the chart of the triangle that it begins on; without nodes where nothing of it is on the way.
+#[must_use]
+pub fn bordered(course: Course, charts: &Charts<'_>, triangle: usize, size: DVec2) -> Course {
+    let (first, last) = (course.nodes[0], course.nodes[1]);
+    let place = |node: DVec4| (node.truncate().truncate() + 0.5) / size;
+    let until = last.w;
+    let rate = (place(last) - place(first)) / until;
+    let way = Way::new(triangle, place(first), rate).followed(charts, until, MOST_BENDS);
+    let node = |(place, t): (DVec2, f64)| {
+        let texel = place * size - 0.5;
+        DVec4::new(texel.x, texel.y, first.z + (last.z - first.z) * (t / until), t)
+    };
+    let end = (way.place(way.t), way.t);
+    let nodes = [first].into_iter().chain(way.bends.iter().copied().chain([end]).map(node)).collect();
+    Course { nodes: if way.t > 0.0 { nodes } else { Vec::new() }, ..course }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec4;
-
     use super::{
         super::{flat::tests::quad, tests::flat},
         *,

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    ComputeShader, SHADERS,
+    SHADERS,
     layout::relief::{
-        COURSE_NODES, ConeMapParams, Course, CourseLightParams, CourseParams, March, MarchParams, Relief, ReliefLevel,
-        RelieveParams, SelfShadowParams, TallyParams,
+        COURSE_NODES, ConeMapParams, Course, CourseFlatParams, CourseLightParams, CourseParams, Landing, March,
+        MarchParams, Relief, ReliefLevel, RelieveParams, SelfShadowParams, TallyParams,
     },
     methods::{Marcher, Needs},
     reference::relief::{HeightLevel, exact},
@@ -126,6 +126,7 @@ pub(crate) struct MarchStreams {
     courses: Stream,
     nodes: Stream,
     marches: Stream,
+    landings: Stream,
     /// Of pixels: fetches, steps, marches that their bound ended, marches.
     costs: Stream,
 }
@@ -137,6 +138,7 @@ impl MarchStreams {
             courses: Stream::new(device, "courses", size_of::<Course>() as u32, len)?,
             nodes: Stream::new(device, "course nodes", 16, len * COURSE_NODES as u64)?,
             marches: Stream::new(device, "marches", size_of::<March>() as u32, len)?,
+            landings: Stream::new(device, "landings", size_of::<Landing>() as u32, len)?,
             costs: Stream::new(device, "costs", 16, pixels)?,
         })
     }
@@ -276,7 +278,12 @@ pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>,
 
 fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
+    let params = CourseLightParams {
+        count: count as u32,
+        uv_channels: scene.uv_channels,
+        light,
+        has_outlines: has_outlines(scene),
+    };
     let bound = [
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -289,24 +296,20 @@ fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u
         ("lights", &streams.lights),
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
     Ok(recorder.dispatch(&SHADERS.course_light, count, &params, &bound)?)
 }
 
-/// The shader that makes courses.
-fn course_shader(silhouettes: Silhouettes) -> &'static ComputeShader {
-    match silhouettes {
-        Silhouettes::None => &SHADERS.course_flat,
-        Silhouettes::Shell => &SHADERS.course_shell,
-        Silhouettes::Quadric => &SHADERS.course_quadric,
-    }
+/// Else rays keep to charts.
+fn has_outlines(scene: &RenderScene) -> u32 {
+    u32::from(scene.relief.silhouettes != Silhouettes::None)
 }
 
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
-    let silhouettes = scene.relief.silhouettes;
-    let mut bound = vec![
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -317,16 +320,31 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
     ];
-    match silhouettes {
-        Silhouettes::None => bound.push(("normals", &streams.normals)),
-        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
-        Silhouettes::Quadric => bound.extend([
-            ("directions", &streams.silhouettes.directions),
-            ("bends", &streams.silhouettes.bends),
-            ("raises", &streams.silhouettes.raises),
-        ]),
-    }
-    Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
+    let own = &streams.silhouettes;
+    let directions = ("directions", &own.directions);
+    let (shader, more) = match scene.relief.silhouettes {
+        Silhouettes::None => return record_flat_courses(recorder, frame, count, &shared),
+        Silhouettes::Shell => (&SHADERS.course_shell, vec![directions]),
+        Silhouettes::Quadric => {
+            (&SHADERS.course_quadric, vec![directions, ("bends", &own.bends), ("raises", &own.raises)])
+        }
+    };
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    Ok(recorder.dispatch(shader, count, &params, &[&shared[..], &more].concat())?)
+}
+
+fn record_flat_courses(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    count: u64,
+    shared: &[(&'static str, &Stream)],
+) -> Result<()> {
+    let Frame { scene, streams, .. } = frame;
+    let finds_depth = u32::from(scene.marcher().is_some_and(|marcher| marcher.finds_depth));
+    let params = CourseFlatParams { count: count as u32, uv_channels: scene.uv_channels, finds_depth };
+    let more =
+        [("normals", &streams.normals), ("triangles", &streams.triangles), ("chart_sides", &streams.chart_sides)];
+    Ok(recorder.dispatch(&SHADERS.course_flat, count, &params, &[shared, &more].concat())?)
 }
 
 fn record_marches(recorder: &mut Recorder<'_>, frame: &Frame<'_>, marcher: &Marcher, count: u64) -> Result<()> {
@@ -355,24 +373,30 @@ fn record_struck(
         count: count as u32,
         uv_channels: scene.uv_channels,
         finds_depth: u32::from(marcher.finds_depth),
-        has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
+        has_outlines: has_outlines(scene),
         tests: u32::from(stage.tests()),
         // What lights see has no steps.
         lifts: u32::from(scene.shadows == Shadows::Map),
     };
-    let bound = [
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
         ("positions", &streams.positions),
-        ("normals", &streams.normals),
         ("uvs", &streams.uvs),
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
         ("texels", &streams.relief.texels),
         ("courses", &work.march.courses),
+        ("landings", &work.march.landings),
+    ];
+    let landing = [
         ("course_nodes", &work.march.nodes),
         ("marches", &work.march.marches),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
+    recorder.dispatch(&SHADERS.land, count, &params, &[&shared[..], &landing].concat())?;
+    let bound = [&shared[..], &[("normals", &streams.normals)]].concat();
     Ok(recorder.dispatch(&SHADERS.relieve, count, &params, &bound)?)
 }

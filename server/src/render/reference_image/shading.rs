@@ -22,7 +22,7 @@ use super::{
     bump::{Unbent, bent},
     place::Place,
     projected,
-    relief::{Found, Relief, Shade},
+    relief::{Found, Relief, Shade, Spot},
     textures::{filtered, map_levels, on_map, sides, still, twin},
 };
 use crate::{
@@ -59,6 +59,8 @@ pub(super) struct Hit {
 
 /// What lies under a place of the image.
 struct Under {
+    /// Of the mesh: relief may be struck beside what is seen.
+    triangle: usize,
     b: Barycentrics,
     position: DVec3,
     /// Interpolated, towards the viewer's side.
@@ -102,7 +104,8 @@ impl Shader {
         bumps: &BumpTables,
         at_px: [f64; 2],
     ) -> Hit {
-        let Under { b, position, normal, facing, struck, flip, shade, march } = self.under(place, at_px);
+        let Under { triangle, b, position, normal, facing, struck, flip, shade, march } = self.under(place, at_px);
+        let place = &Place { triangle, ..*place };
         let mapped = self.mapped(place, source, &b);
         let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
         let under = appearance::Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
@@ -137,19 +140,27 @@ impl Shader {
     /// Of relief what was struck; what is beneath it where nothing was.
     fn under(&self, place: &Place<'_>, at_px: [f64; 2]) -> Under {
         let (b, flip) = seen(place, at_px);
-        let found = self.relief.found(place, (&b, flip), at_px);
+        let found = self.relief.found(place, (&b, flip), at_px, true);
         let march = found.march();
         let (position, normal) = (place.position(b.at), flip * place.normal(b.at));
-        let base = Under { b, position, normal, facing: flip * place.front(), struck: None, flip, shade: None, march };
+        let triangle = place.triangle;
+        let facing = flip * place.front();
+        let base = Under { triangle, b, position, normal, facing, struck: None, flip, shade: None, march };
         let struck = match found {
             Found::Base | Found::Missed(_) => base,
-            Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
-            Found::Struck(on) => {
-                let b = on.weights(&b);
-                Under { b, position: on.position, facing: on.facing, struck: Some(on.smooth), ..base }
-            }
+            Found::Shifted(Spot { triangle, b }, _) => Under { triangle, b, ..base },
+            Found::Struck(on) => Under {
+                triangle: on.triangle,
+                b: on.weights(&b),
+                position: on.position,
+                normal: on.normal,
+                facing: on.facing,
+                struck: Some(on.smooth),
+                ..base
+            },
         };
-        let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at) } else { None };
+        let there = Place { triangle: struck.triangle, ..*place };
+        let shade = if flip > 0.0 { self.relief.shade(&there, struck.b.at) } else { None };
         Under { shade, ..struck }
     }
 
@@ -160,7 +171,7 @@ impl Shader {
             return (Some(base), None);
         }
         let (b, flip) = seen(place, at_px);
-        let found = self.relief.found(place, (&b, flip), at_px);
+        let found = self.relief.found(place, (&b, flip), at_px, false);
         let depth = match &found {
             Found::Base | Found::Shifted(..) => Some(base),
             Found::Missed(_) => None,

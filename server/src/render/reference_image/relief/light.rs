@@ -8,13 +8,15 @@ use displace_glsl::{
 };
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{Relief, base};
+use super::{Chart, Relief, base};
 use crate::{domain::image::SelfShadow, render::reference_image::place::Place};
 
 /// What is between a place of heights and lights.
 pub(in crate::render::reference_image) struct Shade {
     base: Base,
     place: DVec2,
+    chart: Chart,
+    triangle: usize,
     map: Arc<ReliefMap>,
     heights: Range<f64>,
     mesh_from_world: DMat3,
@@ -35,7 +37,8 @@ impl Relief {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| at.world(4, axis.extend(0.0)));
         let mesh_from_world = DMat3::from_cols(axes[0], axes[1], axes[2]).inverse();
         let (map, range) = (Arc::clone(&heights.map), heights.range.clone());
-        Some(Shade { place: base.place(weights), base, map, heights: range, mesh_from_world, hard })
+        let (chart, triangle) = (self.chart(at, heights), at.triangle);
+        Some(Shade { place: base.place(weights), base, chart, triangle, map, heights: range, mesh_from_world, hard })
     }
 }
 
@@ -45,7 +48,9 @@ impl Shade {
         let way = self.mesh_from_world * direction;
         let way = (way.normalize(), far * way.length());
         let course = light::course(&self.base, &self.map.level, self.place, way, &self.heights);
-        course.map_or(0.0, |course| self.over(&course))
+        let size = DVec2::from_array(self.map.level.size.map(f64::from));
+        let within = |course| self.chart.with(|charts| light::bordered(course, charts, self.triangle, size));
+        course.map(within).map_or(0.0, |course| if course.nodes.is_empty() { 1.0 } else { self.over(&course) })
     }
 
     fn over(&self, course: &Course) -> f64 {
