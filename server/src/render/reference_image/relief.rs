@@ -197,8 +197,7 @@ fn landed(at: &Landing<'_>, foot: &Foot<'_>, range: &Range<f64>, base: &flat::Ba
     let texels = at.heights.texels(&there, way.turns);
     let weights = weights_at(texels, met.place).unwrap_or(at.b.at);
     let inside = weights.max(DVec3::ZERO);
-    let corner = vec3(at.place.mesh.positions[at.place.vertices()[0]]);
-    let point = corner + at.ray.origin + at.ray.direction * met.t;
+    let point = at.ray.origin + at.ray.direction * met.t;
     let Some(base) = base_on(&there, inside / inside.element_sum(), texels) else { return Found::Base };
     let struck = relieve::struck(&base, &map.level, there.rows, at.at_px, (&met, point));
     Found::Struck(Box::new(OnHeights {
