@@ -24,7 +24,7 @@ PAGED(4, readonly, vec3, normals);
 PAGED(5, readonly, vec2, uvs);
 PAGED(6, readonly, Relief, reliefs);
 PAGED(7, readonly, ReliefLevel, relief_levels);
-PAGED(8, writeonly, Course, courses);
+PAGED(8, , Course, courses); // levels are there
 PAGED(9, writeonly, vec4, course_nodes);
 
 #include "pixel_ray.glsl"
@@ -34,7 +34,8 @@ PAGED(9, writeonly, vec4, course_nodes);
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+    uint level = LOAD(courses, i).level;
+    STORE(courses, i, Course(0u, point.material, level, 0.0));
     if (relief.level_count == 0u || point.flip < 0.0) {
         return;
     }
@@ -58,12 +59,12 @@ void element(uint i) {
     if (!(last > first) || !(last - first < 1e18 * plane.side)) {
         return;
     }
-    mat3x2 texels = texels_of(relief, point.vertices);
+    mat3x2 texels = texels_of(relief, point.vertices, level);
     vec3 start = from + rate * first;
     vec3 end = from + rate * last;
     STORE(course_nodes, i * COURSE_NODES, vec4(texels * weights_of(start), start.z, first));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(texels * weights_of(end), end.z, last));
-    STORE(courses, i, Course(2u, point.material, LEVEL, abs(dot(ray.direction, plane.normal))));
+    STORE(courses, i, Course(2u, point.material, level, abs(dot(ray.direction, plane.normal))));
 }
 
 #include "batch.glsl"

@@ -25,7 +25,7 @@ PAGED(5, readonly, Relief, reliefs);
 PAGED(6, readonly, ReliefLevel, relief_levels);
 PAGED(7, readonly, float, texels);
 PAGED(8, readonly, Light, lights);
-PAGED(9, writeonly, Course, courses);
+PAGED(9, , Course, courses); // levels are there
 PAGED(10, writeonly, vec4, course_nodes);
 
 #include "course_texels.glsl"
@@ -46,11 +46,12 @@ vec3 in_mesh(uint row, vec3 way) {
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
+    uint level = LOAD(courses, i).level;
     if (relief.level_count == 0u || point.flip < 0.0) {
-        STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+        STORE(courses, i, Course(0u, point.material, level, 0.0));
         return;
     }
-    STORE(courses, i, Course(0u, point.material, LEVEL, -1.0));
+    STORE(courses, i, Course(0u, point.material, level, -1.0));
     mat3 corner;
     vec3 normal = vec3(0.0);
     vec3 inside = max(point.at, vec3(0.0));
@@ -65,16 +66,16 @@ void element(uint i) {
     if (plane.volume == 0.0 || !(rate.z > 0.0)) {
         return;
     }
-    mat3x2 texel_corners = texels_of(relief, point.vertices);
+    mat3x2 texel_corners = texels_of(relief, point.vertices, level);
     vec2 place = texel_corners * point.at;
     // A little above what is struck, so that a ray does not meet the facet it leaves.
-    float low = height_at_place(relief, LEVEL, place) + (relief.high - relief.low) / 1024.0;
+    float low = height_at_place(relief, level, place) + (relief.high - relief.low) / 1024.0;
     float high = with_margin(plane, vec2(relief.low, relief.high)).y;
     float t = (high - low) / rate.z;
     vec2 gone = texel_corners * vec3(-rate.x - rate.y, rate.xy) * t;
     STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));
-    STORE(courses, i, Course(2u, point.material, LEVEL, 1.0));
+    STORE(courses, i, Course(2u, point.material, level, 1.0));
 }
 
 #include "batch.glsl"

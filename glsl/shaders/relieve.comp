@@ -118,7 +118,8 @@ void element(uint i) {
         return;
     }
     March march = LOAD(marches, i);
-    bool has_course = LOAD(courses, i).nodes >= 2u;
+    Course course = LOAD(courses, i);
+    bool has_course = course.nodes >= 2u;
     if (!has_course || march.s < 0.0) {
         if (params.tests != 0u && (params.has_outlines != 0u || has_course)) {
             point.id = NOTHING;
@@ -126,7 +127,7 @@ void element(uint i) {
         }
         return;
     }
-    mat3x2 texel_corners = texels_of(relief, point.vertices);
+    mat3x2 texel_corners = texels_of(relief, point.vertices, course.level);
     vec3 base = point.at;
     point.at = weights_at(texel_corners, march.place, base);
     if (params.finds_depth != 0u) {

@@ -12,6 +12,7 @@ use displace_glsl::{
     reference::{
         relief::{
             March, ReliefMap, flat,
+            level::level,
             pixel_ray::pixel_ray,
             relieve::{self, Struck},
         },
@@ -30,7 +31,8 @@ pub(super) use light::{Shade, left};
 
 /// The heights of a material.
 struct Heights {
-    map: Arc<ReliefMap>,
+    /// The finest first.
+    levels: Arc<[ReliefMap]>,
     range: Range<f64>,
     uv_channel: u32,
     map_from_uv: [[f32; 3]; 2],
@@ -89,22 +91,30 @@ impl Relief {
         self.marcher.zip(self.heights[material as usize].as_ref())
     }
 
+    /// Which level is marched under a place of the image, by weights of the triangle there.
+    pub(super) fn level(&self, place: &Place<'_>, weights: DVec3, at_px: [f64; 2]) -> usize {
+        let Some((_, heights)) = self.shows(place.part.material) else { return 0 };
+        let Some(base) = base(place, heights, 0, weights) else { return 0 };
+        level(&base, place.rows, DVec2::from_array(at_px), weights, heights.levels.len())
+    }
+
     /// Under a place of the image, by weights of the triangle there; -1 where its back is seen, which has none.
     pub(super) fn found(&self, place: &Place<'_>, (b, flip): (&Barycentrics, f64), at_px: [f64; 2]) -> Found {
         if flip < 0.0 {
             return Found::Base;
         }
         let Some((marcher, heights)) = self.shows(place.part.material) else { return Found::Base };
-        let Some(base) = base(place, heights, b.at) else { return Found::Base };
+        let level = self.level(place, b.at, at_px);
+        let Some(base) = base(place, heights, level, b.at) else { return Found::Base };
         let (at_px, corner) = (DVec2::from_array(at_px), vec3(place.mesh.positions[place.vertices()[0]]));
         let ray = pixel_ray(place.rows, at_px, corner);
         let Some(course) = flat::course(&base, &ray, heights.range.clone()) else { return Found::Base };
-        let march = (marcher.twin)(&heights.map, &course, marcher.setting.into());
+        let map = &heights.levels[level];
+        let march = (marcher.twin)(map, &course, marcher.setting.into());
         if !marcher.finds_depth {
             return Found::Shifted(base.weights(march.place), march);
         }
-        let level = &heights.map.level;
-        let Some(struck) = relieve::struck(&base, level, place.rows, (at_px, &ray), (&course, &march)) else {
+        let Some(struck) = relieve::struck(&base, &map.level, place.rows, (at_px, &ray), (&course, &march)) else {
             return Found::Missed(march);
         };
         Found::Struck(Box::new(OnHeights {
@@ -139,10 +149,11 @@ impl Found {
     }
 }
 
-fn base(place: &Place<'_>, heights: &Heights, at: DVec3) -> Option<flat::Base> {
+/// On a level of its map.
+fn base(place: &Place<'_>, heights: &Heights, level: usize, at: DVec3) -> Option<flat::Base> {
     let vertices = place.vertices();
     let normal = unit_or_zero(blend(at, vertices.map(|v| vec3(place.mesh.normals[v]))));
-    let size = heights.map.level.size.map(f64::from);
+    let size = heights.levels[level].level.size.map(f64::from);
     let rows = heights.map_from_uv.map(|row| row.map(f64::from));
     let texels = [DVec3::X, DVec3::Y, DVec3::Z].map(|corner| {
         let uv = place.uv(heights.uv_channel, corner).extend(1.0);

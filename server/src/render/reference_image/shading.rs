@@ -142,7 +142,8 @@ impl Shader {
             Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
             Found::Struck(on) => Under { b: on.weights(&b), position: on.position, facing: on.facing, ..base },
         };
-        let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at) } else { None };
+        let level = self.relief.level(place, b.at, at_px);
+        let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at, level) } else { None };
         Under { shade, ..struck }
     }
 
