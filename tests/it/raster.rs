@@ -4,6 +4,7 @@
 mod alpha;
 mod bump;
 mod filters;
+mod levels;
 mod light;
 mod looks;
 mod mapping;

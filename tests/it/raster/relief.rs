@@ -30,7 +30,7 @@ fn waves(side: u32, height: f32) -> HeightMap {
 }
 
 /// As the jobs make it: heights, and the slopes of the same for normals.
-fn in_relief(map: HeightMap) -> RenderMaterial {
+pub(super) fn in_relief(map: HeightMap) -> RenderMaterial {
     let mut made = RenderMaterial { double_sided: false, ..material([0.8, 0.7, 0.6], None) };
     let slopes = slopes(&map);
     made.bump.uses[0].kind = BumpKind::Height;
