@@ -27,11 +27,11 @@ PAGED(6, , vec3, layered);
 // Of each sample, the key of the nearest surface that takes away half of what is behind it.
 PAGED(7, , uint64_t, shown);
 
-// The pixel's fragment of a triangle, or `number` where there is none.
-uint fragment_of(uint id, uint first, uint number) {
+// The pixel's fragment of a sample, or `number` where there is none.
+uint fragment_of(uint s, uint first, uint number) {
     uint found = number;
     for (uint k = 0u; k < number; ++k) {
-        if (LOAD(points, first + k).id == id) {
+        if ((LOAD(points, first + k).covered >> s & 1u) != 0u) {
             found = k;
         }
     }
@@ -45,7 +45,7 @@ void element(uint i) {
     vec3 color = LOAD(layered, i);
     [[dont_unroll]] for (uint s = 0u; s < 4u; ++s) {
         uint64_t key = LOAD(visibility, i * 4u + s);
-        uint k = key == 0ul ? number : fragment_of(id_of(key), first, number);
+        uint k = key == 0ul ? number : fragment_of(s, first, number);
         if (k == number) {
             continue;
         }

@@ -2,5 +2,5 @@
 struct Fragment {
     uint id;     // triangle
     vec2 at_px;  // in the image
-    uint extra;  // depth bits of a sample under test; number of samples covered otherwise
+    uint extra;  // depth bits of a sample under test; a bit for each sample covered otherwise
 };

@@ -90,11 +90,17 @@ void element(uint i) {
     uint most = 0u;
     uint shown = 0u;
     for (uint k = 0u; k < number; ++k) {
-        uint covered = LOAD(points, first + k).covered;
+        uint covered = bitCount(LOAD(points, first + k).covered);
         color += LOAD(radiance, first + k).rgb * (0.25 * float(covered));
         empty -= covered;
-        if (covered > most) {
-            most = covered;
+        // Of relief each sample is a fragment.
+        uint all = 0u;
+        for (uint other = k; other < number; ++other) {
+            bool same = LOAD(points, first + other).id == LOAD(points, first + k).id;
+            all += same ? uint(bitCount(LOAD(points, first + other).covered)) : 0u;
+        }
+        if (all > most) {
+            most = all;
             shown = first + k;
         }
     }

@@ -2,7 +2,7 @@
 struct SurfacePoint {
     uint id;        // triangle
     uint material;
-    uint covered;   // samples, or depth bits of a sample under test
+    uint covered;   // a bit for each sample, or depth bits of a sample under test
     uint instance;
     uint triangle;  // in the stream of all meshes' triangles
     uvec3 vertices;

@@ -153,7 +153,8 @@ mirrors! {
         pub count: u32,
         pub slab_px: [i32; 2],
         pub slab_size_px: [i32; 2],
-        pub at_samples: u32,
+        pub part_last: u32,
+        pub has_relief: u32,
     }
 
     pub struct SurfaceParams {

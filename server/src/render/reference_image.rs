@@ -52,7 +52,7 @@ use super::{
     reflection::{Reflection, reflections},
 };
 
-use layers::{NOTHING, Samples, Seen, distinct};
+use layers::{NOTHING, Samples, Seen};
 use light::LightModel;
 use place::Place;
 pub use preimage::preimage;
@@ -289,7 +289,7 @@ impl<'a> Oracle<'a> {
         let (layers, layers_left_out) = samples.layers();
         let (mut seen, mut shown, mut marches) = (Layered::default(), [NOTHING; 4], samples.marches);
         for (ids, is_solid) in layers.iter().map(|ids| (ids, false)).chain([(&samples.solid(), true)]) {
-            for (id, covered) in distinct(ids) {
+            for (id, covered) in self.distinct(ids) {
                 let hit = self.hit_of_samples(id, [x, y], &covered);
                 marches.extend(hit.march.as_ref().map(count::one));
                 let alpha = if is_solid { 1.0 } else { hit.look.base.w.clamp(0.0, 1.0) };
@@ -305,7 +305,7 @@ impl<'a> Oracle<'a> {
         let color = seen.before(if is_open { self.light.backdrop(x, y) } else { DVec3::ZERO });
         let hit = self.shown(&shown, [x, y]);
         let depth = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| self.light.depth(hit.position));
-        let counts = [samples.covered, distinct(&shown).count() as u32];
+        let counts = [samples.covered, self.distinct(&shown).len() as u32];
         Pixel { color, hit, depth, counts, marches, layers_left_out }
     }
 
@@ -315,11 +315,16 @@ impl<'a> Oracle<'a> {
             return None;
         }
         let empty = ids.iter().filter(|id| **id == NOTHING).count();
+        let all = |id: u32| ids.iter().filter(|other| **other == id).count();
         let more = |best: Option<(u32, Vec<usize>)>, next: (u32, Vec<usize>)| {
-            if best.as_ref().is_none_or(|best| next.1.len() > best.1.len()) { Some(next) } else { best }
+            if best.as_ref().is_none_or(|best| all(next.0) > all(best.0)) { Some(next) } else { best }
         };
-        let (id, covered) = distinct(ids).fold(None, more).filter(|(_, covered)| covered.len() >= empty)?;
+        let (id, covered) = self.distinct(ids).into_iter().fold(None, more).filter(|(id, _)| all(*id) >= empty)?;
         Some((id, self.hit_of_samples(id, pixel, &covered)))
+    }
+
+    fn distinct(&self, ids: &[u32; 4]) -> Vec<(u32, Vec<usize>)> {
+        layers::distinct(ids, |id| self.part(id).flags & PART_RELIEF != 0)
     }
 
     fn radiance(&self, hit: &Hit) -> DVec3 {

@@ -7,8 +7,8 @@ use displace_glsl::{
     layout::raster::{
         AppearanceParams, DownsampleParams, FragmentsParams, MAP_BASE_COLOR, MAP_EMISSIVE, MAP_METALLIC_ROUGHNESS,
         MAP_NORMAL, MAP_NORMAL_MOMENTS, MAP_OCCLUSION, MAP_SLOTS, MomentsParams, OUTPUT_DEPTH, OUTPUT_NORMAL,
-        OUTPUT_POSITION, OUTPUT_SAMPLES, OUTPUT_TRIANGLE, OUTPUT_UV, ResolveParams, ShadowRaysParams, SurfaceParams,
-        TextureParams,
+        OUTPUT_POSITION, OUTPUT_SAMPLES, OUTPUT_TRIANGLE, OUTPUT_UV, PART_RELIEF, ResolveParams, ShadowRaysParams,
+        SurfaceParams, TextureParams,
     },
     reference::lights,
 };
@@ -25,7 +25,7 @@ use crate::{
 };
 
 use super::{
-    Frame, Run, Slab, bump, layers, light, projected, proxies,
+    Frame, Run, Slab, bump, layers, light, projected,
     relief::{self, Stage},
     shadow_map,
     streams::{OccluderStreams, WorkStreams},
@@ -52,13 +52,14 @@ pub(crate) fn shade(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<
 
 /// Lists the fragments of what samples see, and tells how many there are.
 pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, keys: &Stream) -> Result<u64> {
-    let Frame { work, .. } = frame;
+    let Frame { tables, streams, work, .. } = frame;
     let (slab_px, slab_size_px) = slab.px();
     let params = FragmentsParams {
         count: slab.pixels() as u32,
         slab_px,
         slab_size_px,
-        at_samples: u32::from(proxies::are_drawn(frame.scene)),
+        part_last: tables.parts.len().saturating_sub(1) as u32,
+        has_relief: u32::from(tables.parts.iter().any(|part| part.flags & PART_RELIEF != 0)),
     };
     run.record(|recorder| {
         recorder.fill(&work.fragment_count, 0)?;
@@ -67,6 +68,7 @@ pub(crate) fn list_fragments(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab, k
             ("fragment_count", &work.fragment_count),
             ("fragments", &work.fragments),
             ("pixels", &work.pixels),
+            ("parts", &streams.parts),
         ];
         Ok(recorder.dispatch(&SHADERS.fragments, slab.pixels(), &params, &bound)?)
     })?;

@@ -57,8 +57,9 @@ impl Samples {
     }
 }
 
-/// Each triangle of four samples with those it covers, in the order of its first.
-pub(super) fn distinct(ids: &[u32; 4]) -> impl Iterator<Item = (u32, Vec<usize>)> + '_ {
-    let is_first = |s: &usize| ids[*s] != NOTHING && !ids[..*s].contains(&ids[*s]);
-    (0..4).filter(is_first).map(|s| (ids[s], (0..4).filter(|&other| ids[other] == ids[s]).collect()))
+/// Each triangle of four samples with those it covers, in the order of its first; of relief each sample alone.
+pub(super) fn distinct(ids: &[u32; 4], is_relief: impl Fn(u32) -> bool) -> Vec<(u32, Vec<usize>)> {
+    let is_same = |s: usize, other: usize| ids[s] == ids[other] && (s == other || !is_relief(ids[s]));
+    let is_first = |s: &usize| ids[*s] != NOTHING && !(0..*s).any(|before| is_same(before, *s));
+    (0..4).filter(is_first).map(|s| (ids[s], (0..4).filter(|&other| is_same(s, other)).collect())).collect()
 }
