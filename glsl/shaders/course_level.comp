@@ -1,10 +1,11 @@
 #version 460
 // Which level of its material's height map is marched under each fragment, before its course is made. A thread per fragment.
 //
-// It is the coarsest whose texels are no wider than a pixel of the image that is rendered, along the shorter axis of the
-// pixel's footprint on the base. So a texel is at least half a pixel wide, and what a pixel can resolve is kept. Samples
-// make the rendered pixels smaller: the more there are, the nearer the picture comes to that of the finest heights. The
-// footprint is that of the base where it is seen, or of its nearest rim where only what stands on it is.
+// It is the coarsest whose texels are no wider than a sample, half a pixel of the image that is rendered, along the shorter
+// axis of its footprint on the base: each of a pixel's four samples is marched and shaded by itself. So a texel is at least
+// half a sample wide, and what samples can resolve is kept. The more of them a pixel is made of, the nearer the picture
+// comes to that of the finest heights. The footprint is that of the base where it is seen, or of its nearest rim where
+// only what stands on it is.
 #include "common.glsl"
 #include "pages.glsl"
 #include "raster_tables.glsl"
@@ -30,8 +31,8 @@ PAGED(7, writeonly, Course, courses);
 
 #include "course_texels.glsl"
 
-// Texels of the finest level for each pixel, along the shorter axis of its footprint; 0 where the map has no area.
-float texels_per_pixel(Relief relief, SurfacePoint point, vec2 at_px) {
+// Texels of the finest level for each sample, along the shorter axis of its footprint; 0 where the map has no area.
+float texels_per_sample(Relief relief, SurfacePoint point, vec2 at_px) {
     uint row = point.instance * INSTANCE_ROWS;
     vec4 w = LOAD(instance_rows, row + 3u);
     mat3 corner;
@@ -49,10 +50,10 @@ float texels_per_pixel(Relief relief, SurfacePoint point, vec2 at_px) {
     // And of each texel, times the area.
     vec2 x = vec2(across.x * b.y - across.y * a.y, across.y * a.x - across.x * b.x);
     vec2 y = vec2(down.x * b.y - down.y * a.y, down.y * a.x - down.x * b.x);
-    // Twice the greater singular value: unlike the less, it stands wherever the base is seen from the side.
+    // Twice the greater singular value, as there are two samples across: unlike the less, it stands wherever the base is seen from the side.
     float most = length(vec2(x.x + y.y, x.y - y.x)) + length(vec2(x.x - y.y, x.y + y.x));
     float far = dot(w, vec4(corner * point.at, 1.0));
-    return most > 0.0 ? abs(2.0 * far * area / most) : 0.0;
+    return most > 0.0 ? abs(far * area / most) : 0.0;
 }
 
 void element(uint i) {
@@ -60,7 +61,7 @@ void element(uint i) {
     Relief relief = LOAD(reliefs, point.material);
     int level = 0;
     if (relief.level_count > 1u) {
-        float texels = texels_per_pixel(relief, point, LOAD(fragments, i).at_px);
+        float texels = texels_per_sample(relief, point, LOAD(fragments, i).at_px);
         // The exponent: no rounding of logarithms.
         level = clamp((floatBitsToInt(texels) >> 23) - 127, 0, int(relief.level_count) - 1);
     }
