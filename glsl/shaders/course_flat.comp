@@ -25,7 +25,7 @@ PAGED(4, readonly, vec3, normals);
 PAGED(5, readonly, vec2, uvs);
 PAGED(6, readonly, Relief, reliefs);
 PAGED(7, readonly, ReliefLevel, relief_levels);
-PAGED(8, writeonly, Course, courses);
+PAGED(8, , Course, courses); // levels are there
 PAGED(9, writeonly, vec4, course_nodes);
 PAGED(10, readonly, uvec3, triangles);
 PAGED(11, readonly, ChartSides, chart_sides);
@@ -47,8 +47,8 @@ vec3 last_on(Way way) {
 
 // Between two t, as far as the ray is over the chart from the foot on. Where the foot is beyond one of them, the way leads
 // there first.
-Course bordered(uint first, Foot foot, SurfacePoint point, Relief relief, vec2 range) {
-    vec2 size = vec2(LOAD(relief_levels, relief.level_first + LEVEL).size);
+Course bordered(uint first, Foot foot, SurfacePoint point, Relief relief, vec2 range, uint level) {
+    vec2 size = vec2(LOAD(relief_levels, relief.level_first + level).size);
     Way back = way_of(foot, point.triangle, -1.0);
     Way forth = way_of(foot, point.triangle, 1.0);
     vec2 ts = range - foot.t;
@@ -62,7 +62,7 @@ Course bordered(uint first, Foot foot, SurfacePoint point, Relief relief, vec2 r
     vec4 next = node_on(foot, size, 1.0, last_on(forth));
     if (back.end == WAY_OPEN || back.end == WAY_SEAM || forth.end == WAY_OPEN || forth.end == WAY_SEAM) {
         STORE(course_nodes, first, back.t > 0.0 ? last : next);
-        return Course(1u, point.material, LEVEL, 0.0, (back.end & 3u) | (forth.end & 3u) << 4);
+        return Course(1u, point.material, level, 0.0, (back.end & 3u) | (forth.end & 3u) << 4);
     }
     back.bends = 0u;
     forth.bends = 0u;
@@ -88,13 +88,14 @@ Course bordered(uint first, Foot foot, SurfacePoint point, Relief relief, vec2 r
         node += 1u;
         STORE(course_nodes, node, last);
     }
-    return Course(node - first + 1u, point.material, LEVEL, 0.0, (back.end & 3u) | (forth.end & 3u) << 4);
+    return Course(node - first + 1u, point.material, level, 0.0, (back.end & 3u) | (forth.end & 3u) << 4);
 }
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0, 0u));
+    uint level = LOAD(courses, i).level;
+    STORE(courses, i, Course(0u, point.material, level, 0.0, 0u));
     if (relief.level_count == 0u || point.flip < 0.0) {
         return;
     }
@@ -123,18 +124,18 @@ void element(uint i) {
     if (params.finds_depth != 0u) {
         mat3x2 places = places_of(relief, point.vertices);
         Foot foot = Foot(places * point.at, places * vec3(-rate.x - rate.y, rate.xy), -from.z / rate.z, rate.z);
-        Course course = bordered(first_node, foot, point, relief, vec2(first, last));
+        Course course = bordered(first_node, foot, point, relief, vec2(first, last), level);
         course.cosine = cosine;
         STORE(course_nodes, first_node + COURSE_NODES - 1u, vec4(foot.rate, foot.t, foot.rise)); // for `land`
         STORE(courses, i, course);
         return;
     }
-    mat3x2 texels = texels_of(relief, point.vertices);
+    mat3x2 texels = texels_of(relief, point.vertices, level);
     vec3 start = from + rate * first;
     vec3 end = from + rate * last;
     STORE(course_nodes, first_node, vec4(texels * weights_of(start), start.z, first));
     STORE(course_nodes, first_node + 1u, vec4(texels * weights_of(end), end.z, last));
-    STORE(courses, i, Course(2u, point.material, LEVEL, cosine, 0u));
+    STORE(courses, i, Course(2u, point.material, level, cosine, 0u));
 }
 
 #include "batch.glsl"

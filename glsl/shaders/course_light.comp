@@ -28,7 +28,7 @@ PAGED(5, readonly, Relief, reliefs);
 PAGED(6, readonly, ReliefLevel, relief_levels);
 PAGED(7, readonly, float, texels);
 PAGED(8, readonly, Light, lights);
-PAGED(9, writeonly, Course, courses);
+PAGED(9, , Course, courses); // levels are there
 PAGED(10, writeonly, vec4, course_nodes);
 PAGED(11, readonly, uvec3, triangles);
 PAGED(12, readonly, ChartSides, chart_sides);
@@ -52,11 +52,11 @@ vec3 in_mesh(uint row, vec3 way) {
 
 // Ends the course where its chart does, and bends it; `rise` is the height where it begins, how it changes, and where it
 // is to end.
-void clip(uint i, SurfacePoint point, Relief relief, vec3 rate, vec3 rise) {
+void clip(uint i, SurfacePoint point, Relief relief, uint level, vec3 rate, vec3 rise) {
     mat3x2 places = places_of(relief, point.vertices);
     Way way = way_from(point.triangle, places * point.at, places * rate);
     follow(relief, way, rise.z);
-    vec2 size = vec2(LOAD(relief_levels, relief.level_first + LEVEL).size);
+    vec2 size = vec2(LOAD(relief_levels, relief.level_first + level).size);
     uint node = i * COURSE_NODES;
     for (uint k = 0u; k < way.bends; ++k) {
         vec3 bend = way.bend[k];
@@ -67,18 +67,19 @@ void clip(uint i, SurfacePoint point, Relief relief, vec3 rate, vec3 rise) {
         node += 1u;
         STORE(course_nodes, node, vec4(place_on(way, way.t) * size - 0.5, rise.x + rise.y * way.t, way.t));
         uint nodes = way.t > 0.0 ? node - i * COURSE_NODES + 1u : 0u;
-        STORE(courses, i, Course(nodes, point.material, LEVEL, 1.0, 0u));
+        STORE(courses, i, Course(nodes, point.material, level, 1.0, 0u));
     }
 }
 
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
+    uint level = LOAD(courses, i).level;
     if (relief.level_count == 0u || point.flip < 0.0) {
-        STORE(courses, i, Course(0u, point.material, LEVEL, 0.0, 0u));
+        STORE(courses, i, Course(0u, point.material, level, 0.0, 0u));
         return;
     }
-    STORE(courses, i, Course(0u, point.material, LEVEL, -1.0, 0u));
+    STORE(courses, i, Course(0u, point.material, level, -1.0, 0u));
     mat3 corner;
     vec3 normal = vec3(0.0);
     vec3 inside = max(point.at, vec3(0.0));
@@ -99,10 +100,10 @@ void element(uint i) {
     if (plane.volume == 0.0 || !(rate.z > 0.0)) {
         return;
     }
-    mat3x2 texel_corners = texels_of(relief, point.vertices);
+    mat3x2 texel_corners = texels_of(relief, point.vertices, level);
     vec2 place = texel_corners * point.at;
     // A little above what is struck, so that a ray does not meet the facet it leaves.
-    float low = height_at_place(relief, LEVEL, place) + (relief.high - relief.low) / 1024.0;
+    float low = height_at_place(relief, level, place) + (relief.high - relief.low) / 1024.0;
     float high = with_margin(plane, vec2(relief.low, relief.high)).y;
     float t = (high - low) / rate.z;
     if (!is_sun && length(way) < t) {
@@ -112,9 +113,9 @@ void element(uint i) {
     vec2 gone = texel_corners * vec3(-rate.x - rate.y, rate.xy) * t;
     STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));
-    STORE(courses, i, Course(2u, point.material, LEVEL, 1.0, 0u));
+    STORE(courses, i, Course(2u, point.material, level, 1.0, 0u));
     if (params.has_outlines == 0u) {
-        clip(i, point, relief, vec3(-rate.x - rate.y, rate.xy), vec3(low, rate.z, t));
+        clip(i, point, relief, level, vec3(-rate.x - rate.y, rate.xy), vec3(low, rate.z, t));
     }
 }
 

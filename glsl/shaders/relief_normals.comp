@@ -61,7 +61,8 @@ void element(uint i) {
     if (has_map || !any(equal(LOAD(bumps, point.material).kinds, uvec4(BUMP_HEIGHT)))) {
         return;
     }
-    mat3x2 corners = texels_of(relief, point.vertices);
+    // Of the finest level: of what is coarser filtered slopes tell.
+    mat3x2 corners = texels_of(relief, point.vertices, 0u);
     vec2 dx = corners * point.at_dx;
     vec2 dy = corners * point.at_dy;
     float share = clamp(2.0 - sqrt(abs(dx.x * dy.y - dx.y * dy.x)), 0.0, 1.0);

@@ -123,7 +123,7 @@ void element(uint i) {
         }
         return;
     }
-    mat3x2 texel_corners = texels_of(relief, point.vertices);
+    mat3x2 texel_corners = texels_of(relief, point.vertices, course.level);
     vec2 turns = landing.turns;
     texel_corners = mat3x2(texel_corners[0] + turns, texel_corners[1] + turns, texel_corners[2] + turns);
     point.at = weights_at(texel_corners, landing.place, point.at);

@@ -5,6 +5,7 @@ mod alpha;
 mod borders;
 mod bump;
 mod filters;
+mod levels;
 mod light;
 mod looks;
 mod mapping;

@@ -10,6 +10,8 @@ pub mod cone;
 pub mod exact;
 pub mod flat;
 pub mod leaving;
+pub mod level;
+mod levels;
 pub mod light;
 pub mod occlusion;
 #[cfg(test)]
@@ -122,7 +124,7 @@ impl ReliefMap {
         if self.steps != 0 {
             return self.steps.min(MOST_STEPS);
         }
-        let least = course.travel() / self.thinnest_texels.max(0.5);
+        let least = course.travel() / self.thinnest_texels.max(1.0);
         least.ceil().clamp(f64::from(LEAST_STEPS), f64::from(MOST_STEPS)) as u32
     }
 }

@@ -73,6 +73,12 @@ impl Base {
         self.first_texel + self.texel_edges * DVec2::new(weights.y, weights.z)
     }
 
+    /// Mesh-local, of weights of the corners.
+    #[must_use]
+    pub fn point(&self, weights: DVec3) -> DVec3 {
+        self.first + self.sides[0] * weights.y + self.sides[1] * weights.z
+    }
+
     /// What lies beyond the least and the greatest height.
     #[must_use]
     pub fn margin(&self, heights: &Range<f64>) -> f64 {

@@ -23,6 +23,9 @@ use crate::{
 
 use super::{Frame, Slab};
 
+/// Of one stream.
+const MOST_WORDS: usize = 1 << 29;
+
 /// Of all materials, in their order; empty where none has relief.
 #[derive(Debug, Default)]
 pub(crate) struct ReliefTables {
@@ -53,35 +56,52 @@ impl ReliefTables {
         Ok(tables)
     }
 
+    /// All levels of a map, the finest first.
     fn add(&mut self, map: &HeightMap, needs: Needs) -> Result<Relief> {
         let size = [map.width, map.height];
         if map.heights.len() as u64 != u64::from(size[0]) * u64::from(size[1]) || map.heights.is_empty() {
             return Err(Error::internal("a height map has not as many heights as texels"));
         }
         let [low, high] = map.range();
-        let mut level = ReliefLevel { size, height_first: self.texels.len() as u32, ..ReliefLevel::default() };
-        self.texels.extend_from_slice(&map.heights);
+        let level_first = self.levels.len() as u32;
+        let finest = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
+        for level in finest.chain() {
+            self.add_level(&level, needs);
+        }
+        if self.texels.len() > MOST_WORDS {
+            let message = format!("the height maps have more than {MOST_WORDS} values: scale them down");
+            return Err(Error::too_large("details", message));
+        }
+        let level_count = self.levels.len() as u32 - level_first;
+        let thinnest_texels = map.thinnest_texels;
+        Ok(Relief {
+            wrap: wrap(map.repeats),
+            level_first,
+            level_count,
+            low,
+            high,
+            thinnest_texels,
+            ..Relief::default()
+        })
+    }
+
+    fn add_level(&mut self, of: &HeightLevel, needs: Needs) {
+        let mut level = ReliefLevel { size: of.size, height_first: self.texels.len() as u32, ..ReliefLevel::default() };
+        self.texels.extend_from_slice(&of.heights);
         match needs {
             Needs::Heights => {}
             Needs::Bounds => {
                 level.bound_first = self.texels.len() as u32;
-                let of = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
-                self.texels.extend(exact::bounds(&of));
+                self.texels.extend(exact::bounds(of));
             }
             Needs::Cones => {
                 level.cone_first = self.texels.len() as u32;
-                self.texels.resize(self.texels.len() + map.heights.len(), 0.0);
-                let count = map.heights.len() as u32;
-                self.cones.push(ConeMapParams { count, wrap: wrap(map), high, level });
+                self.texels.resize(self.texels.len() + of.heights.len(), 0.0);
+                let (count, high) = (of.heights.len() as u32, of.heights.iter().copied().fold(f32::MIN, f32::max));
+                self.cones.push(ConeMapParams { count, wrap: wrap(of.repeats), high, level });
             }
         }
-        if u32::try_from(self.texels.len()).is_err() {
-            return Err(Error::too_large("details", "the height maps have more than 2^32 values: scale them down"));
-        }
         self.levels.push(level);
-        let level_first = self.levels.len() as u32 - 1;
-        let thinnest_texels = map.thinnest_texels;
-        Ok(Relief { wrap: wrap(map), level_first, level_count: 1, low, high, thinnest_texels, ..Relief::default() })
     }
 }
 
@@ -91,8 +111,8 @@ fn of_material(map: Relief, relief: &RenderRelief) -> Relief {
 }
 
 /// As `tiled.glsl` has it.
-fn wrap(map: &HeightMap) -> u32 {
-    let [u, v] = map.repeats.map(|repeats| u32::from(!repeats) * 2);
+fn wrap(repeats: [bool; 2]) -> u32 {
+    let [u, v] = repeats.map(|repeats| u32::from(!repeats) * 2);
     u | v << 2
 }
 
@@ -173,6 +193,7 @@ pub(crate) fn record(
     stage: Stage,
 ) -> Result<()> {
     let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
+    record_levels(recorder, frame, count)?;
     record_courses(recorder, frame, count)?;
     record_marches(recorder, frame, marcher, count)?;
     // What finds no depth tests none.
@@ -305,6 +326,22 @@ fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u
 /// Else rays keep to charts.
 fn has_outlines(scene: &RenderScene) -> u32 {
     u32::from(scene.relief.silhouettes != Silhouettes::None)
+}
+
+fn record_levels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    let bound = [
+        ("fragments", &work.fragments),
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("courses", &work.march.courses),
+    ];
+    Ok(recorder.dispatch(&SHADERS.course_level, count, &params, &bound)?)
 }
 
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {

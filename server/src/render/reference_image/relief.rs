@@ -16,6 +16,7 @@ use displace_glsl::{
             March, ReliefMap,
             bordered::Foot,
             flat, leaving,
+            level::level,
             pixel_ray::{PixelRay, pixel_ray},
             relieve::{self, Struck},
         },
@@ -45,7 +46,8 @@ const SAMPLE_SIDE: f64 = 0.5;
 
 /// The heights of a material.
 struct Heights {
-    map: Arc<ReliefMap>,
+    /// The finest first.
+    levels: Arc<[ReliefMap]>,
     range: Range<f64>,
     uv_channel: u32,
     map_from_uv: [[f32; 3]; 2],
@@ -146,6 +148,13 @@ impl Relief {
         Chart::new(place, heights, Arc::clone(sides))
     }
 
+    /// Which level is marched under a place of the image, by weights of the triangle there.
+    pub(super) fn level(&self, place: &Place<'_>, weights: DVec3, at_px: [f64; 2]) -> usize {
+        let Some((_, heights)) = self.shows(place.part.material) else { return 0 };
+        let Some(base) = base(place, heights, 0, weights) else { return 0 };
+        level(&base, place.rows, DVec2::from_array(at_px), weights, heights.levels.len())
+    }
+
     /// Under a place of the image, by weights of the triangle there; -1 where its back is seen, which has none. A surface
     /// that is known to be seen there goes on where it ends.
     pub(super) fn found(
@@ -159,18 +168,15 @@ impl Relief {
             return Found::Base;
         }
         let Some((marcher, heights)) = self.shows(place.part.material) else { return Found::Base };
-        let Some(base) = base(place, heights, b.at) else { return Found::Base };
+        let level = self.level(place, b.at, at_px);
+        let Some(base) = base(place, heights, level, b.at) else { return Found::Base };
         let (at_px, corner) = (DVec2::from_array(at_px), vec3(place.mesh.positions[place.vertices()[0]]));
         let ray = pixel_ray(place.rows, at_px, corner);
         let Some(range) = flat::range(&base, &ray, &heights.range) else { return Found::Base };
         self.chart(place, heights).with(|charts| {
-            let foot = Foot::new(&base, &ray, charts, place.triangle, heights.size(), b.at);
-            if marcher.finds_depth {
-                let lifts = self.lifts;
-                landed(&Landing { place, heights, marcher, b, at_px, ray, is_seen, lifts }, &foot, &range, &base)
-            } else {
-                shifted(place, heights, marcher, b, (&base, &ray), &foot)
-            }
+            let foot = Foot::new(&base, &ray, charts, place.triangle, heights.size(level), b.at);
+            let landing = Landing { place, heights, level, marcher, b, at_px, ray, is_seen, lifts: self.lifts };
+            if marcher.finds_depth { landed(&landing, &foot, &range, &base) } else { shifted(&landing, &base, &foot) }
         })
     }
 }
@@ -179,6 +185,7 @@ impl Relief {
 struct Landing<'a> {
     place: &'a Place<'a>,
     heights: &'a Heights,
+    level: usize,
     marcher: &'static Marcher,
     b: &'a Barycentrics,
     at_px: DVec2,
@@ -188,13 +195,13 @@ struct Landing<'a> {
 }
 
 fn landed(at: &Landing<'_>, foot: &Foot<'_>, range: &Range<f64>, base: &flat::Base) -> Found {
-    let map = &at.heights.map;
+    let map = &at.heights.levels[at.level];
     let on = foot.course(range, at.ray.direction.dot(base.normal).abs());
     let march = (on.course.nodes.len() > 1).then(|| (at.marcher.twin)(map, &on.course, at.marcher.setting.into()));
     let Some(met) = foot.met(&map.level, &on, march.as_ref(), at.is_seen) else { return Found::Missed(march) };
     let way = foot.way_to(met.t);
     let there = Place { triangle: way.triangle, ..*at.place };
-    let texels = at.heights.texels(&there, way.turns);
+    let texels = at.heights.texels(&there, at.level, way.turns);
     let weights = weights_at(texels, met.place).unwrap_or(at.b.at);
     let inside = weights.max(DVec3::ZERO);
     let point = at.ray.origin + at.ray.direction * met.t;
@@ -211,27 +218,21 @@ fn landed(at: &Landing<'_>, foot: &Foot<'_>, range: &Range<f64>, base: &flat::Ba
     }))
 }
 
-fn shifted(
-    place: &Place<'_>,
-    heights: &Heights,
-    marcher: &'static Marcher,
-    b: &Barycentrics,
-    (base, ray): (&flat::Base, &PixelRay),
-    foot: &Foot<'_>,
-) -> Found {
+fn shifted(at: &Landing<'_>, base: &flat::Base, foot: &Foot<'_>) -> Found {
+    let Landing { place, heights, level, marcher, b, ray, .. } = at;
     let Some(course) = flat::course(base, ray, heights.range.clone()) else { return Found::Base };
-    let march = (marcher.twin)(&heights.map, &course, marcher.setting.into());
+    let march = (marcher.twin)(&heights.levels[*level], &course, marcher.setting.into());
     let (way, end) = foot.way_over(march.place);
-    let there = Place { triangle: way.triangle, ..*place };
-    let texels = heights.texels(&there, way.turns);
+    let there = Place { triangle: way.triangle, ..**place };
+    let texels = heights.texels(&there, *level, way.turns);
     let along = |change: DVec3| {
-        let [a, b, c] = heights.texels(place, DVec2::ZERO);
+        let [a, b, c] = heights.texels(place, *level, DVec2::ZERO);
         weights_along(texels, a * change.x + b * change.y + c * change.z)
     };
     let b = match weights_at(texels, end) {
-        Some(at) if way.triangle == place.triangle => Barycentrics { at, ..*b },
+        Some(at) if way.triangle == place.triangle => Barycentrics { at, ..**b },
         Some(at) => Barycentrics { at, dx: along(b.dx), dy: along(b.dy), clockwise: b.clockwise },
-        None => Barycentrics { ..*b },
+        None => Barycentrics { ..**b },
     };
     Found::Shifted(Spot { triangle: way.triangle, b }, march)
 }
@@ -261,8 +262,8 @@ impl Found {
     }
 }
 
-fn base(place: &Place<'_>, heights: &Heights, at: DVec3) -> Option<flat::Base> {
-    base_on(place, at, heights.texels(place, DVec2::ZERO))
+fn base(place: &Place<'_>, heights: &Heights, level: usize, at: DVec3) -> Option<flat::Base> {
+    base_on(place, at, heights.texels(place, level, DVec2::ZERO))
 }
 
 /// With the normal that is seen at these weights.
@@ -284,8 +285,9 @@ fn weights_along(texels: [DVec2; 3], way: DVec2) -> DVec3 {
 }
 
 impl Heights {
-    fn size(&self) -> DVec2 {
-        DVec2::from_array(self.map.level.size.map(f64::from))
+    /// Texels of a level.
+    fn size(&self, level: usize) -> DVec2 {
+        DVec2::from_array(self.levels[level].level.size.map(f64::from))
     }
 
     /// On the map, which is 1 wide and high.
@@ -294,9 +296,9 @@ impl Heights {
     }
 
     /// Of corners, with so much added to their places on the map.
-    fn texels(&self, place: &Place<'_>, turns: DVec2) -> [DVec2; 3] {
+    fn texels(&self, place: &Place<'_>, level: usize, turns: DVec2) -> [DVec2; 3] {
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
-        corners.map(|corner| (self.on_map(place.uv(self.uv_channel, corner)) + turns) * self.size() - 0.5)
+        corners.map(|corner| (self.on_map(place.uv(self.uv_channel, corner)) + turns) * self.size(level) - 0.5)
     }
 }
 

@@ -160,7 +160,8 @@ impl Shader {
             },
         };
         let there = Place { triangle: struck.triangle, ..*place };
-        let shade = if flip > 0.0 { self.relief.shade(&there, struck.b.at) } else { None };
+        let level = self.relief.level(place, b.at, at_px);
+        let shade = if flip > 0.0 { self.relief.shade(&there, struck.b.at, level) } else { None };
         Under { shade, ..struck }
     }
 
