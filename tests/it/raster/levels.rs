@@ -75,16 +75,17 @@ fn mean_cost(image: &ImageSet, rows: std::ops::Range<usize>) -> f64 {
     costs.iter().map(|cost| f64::from(cost[0])).sum::<f64>() / costs.len() as f64
 }
 
-/// The way over the map grows as far as what is seen is away, and texels of the level do with it.
+/// The way over the map grows as far as what is seen is away, here tenfold, and texels of the level do with it: but for up to
+/// twice because levels are whole, and twice because steps are no shorter than a texel where the thinnest feature had two.
 #[test]
-fn a_ray_reads_no_more_of_what_is_far_than_of_what_is_near() {
+fn what_is_ten_times_as_far_takes_no_more_than_four_times_the_reads() {
     for method in [Method::Exact, Method::Steep, Method::Cone] {
         let image = render(&floor(method, EYE, SIDE), SIDE, SIDE);
         let horizon = image.cost.as_ref().expect("asked for").iter().position(|cost| cost[0] > 0.0).expect("a floor");
         let first = horizon / SIDE as usize + 2;
         let (far, near) = (mean_cost(&image, first..first + 8), mean_cost(&image, SIDE as usize - 24..SIDE as usize));
         println!("{}: {far:.0} far away, {near:.0} near", method.name());
-        assert!(far < 2.0 * near, "{}: {far} {near}", method.name());
+        assert!(far < 4.0 * near, "{}: {far} {near}", method.name());
     }
 }
 

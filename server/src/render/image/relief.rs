@@ -262,7 +262,7 @@ pub(crate) fn record_normals(recorder: &mut Recorder<'_>, frame: &Frame<'_>, cou
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
         ("courses", &work.march.courses),
-        ("marches", &work.march.marches),
+        ("landings", &work.march.landings),
         ("bumps", &streams.bump.bumps),
         ("appearances", &work.appearances),
         ("positions", &streams.positions),
