@@ -124,8 +124,8 @@ impl ImageContents {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12
             + if self.has_tangents { 48 } else { 0 }
-            // What is beyond their sides.
-            + if self.relief_texels > 0 { 24 } else { 0 };
+            // What is beyond their sides, where rays keep to charts.
+            + if self.relief_texels > 0 && self.silhouettes == Silhouettes::None { 24 } else { 0 };
         // Corners, number, and two nodes.
         let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
@@ -185,7 +185,7 @@ impl ImageContents {
             + if self.environment.is_some() || self.reflection_texels > 0 { 36 } else { 0 }
             + if self.has_moments { 24 } else { 0 }
             // A course, its nodes, its march and where it lands.
-            + if self.relief_texels > 0 { 20 + 9 * 16 + 24 + 32 } else { 0 };
+            + if self.relief_texels > 0 { 20 + 9 * 16 + 24 + 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         // Of relief, what marches took.
