@@ -63,7 +63,8 @@ void element(uint i) {
     if (relief.level_count > 1u) {
         float texels = texels_per_sample(relief, point, LOAD(fragments, i).at_px);
         // The exponent: no rounding of logarithms.
-        level = clamp((floatBitsToInt(texels) >> 23) - 127, 0, int(relief.level_count) - 1);
+        int exponent = (floatBitsToInt(texels) >> 23) - 127;
+        level = exponent < 128 ? clamp(exponent, 0, int(relief.level_count) - 1) : 0; // none of what is no number
     }
     STORE(courses, i, Course(0u, point.material, uint(level), 0.0, 0u));
 }

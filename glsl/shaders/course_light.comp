@@ -16,7 +16,6 @@ layout(push_constant, scalar) uniform Params {
     uint count;
     uint uv_channels;
     uint light;
-    uint has_outlines; // ways go on beyond charts
 } params;
 
 PAGED(0, readonly, SurfacePoint, points);
@@ -114,9 +113,7 @@ void element(uint i) {
     STORE(course_nodes, i * COURSE_NODES, vec4(place, low, 0.0));
     STORE(course_nodes, i * COURSE_NODES + 1u, vec4(place + gone, high, t));
     STORE(courses, i, Course(2u, point.material, level, 1.0, 0u));
-    if (params.has_outlines == 0u) {
-        clip(i, point, relief, level, vec3(-rate.x - rate.y, rate.xy), vec3(low, rate.z, t));
-    }
+    clip(i, point, relief, level, vec3(-rate.x - rate.y, rate.xy), vec3(low, rate.z, t));
 }
 
 #include "batch.glsl"

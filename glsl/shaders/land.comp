@@ -53,7 +53,14 @@ Met met_on(Relief relief, Course course, uint i) {
         return Met(false, false, 0.0, march.place, 0.0);
     }
     vec4 node = node_at(i * COURSE_NODES, course.nodes, march.s);
-    return Met(true, false, node.w, march.place, max(height_at_place(relief, course.level, march.place) - node.z, 0.0));
+    float high = height_at_place(relief, course.level, march.place);
+    // Lights may see a finer level.
+    if (course.level > 0u) {
+        vec2 finer = vec2(LOAD(relief_levels, relief.level_first).size)
+            / vec2(LOAD(relief_levels, relief.level_first + course.level).size);
+        high = max(high, height_at_place(relief, 0u, (march.place + 0.5) * finer - 0.5));
+    }
+    return Met(true, false, node.w, march.place, max(high - node.z, 0.0));
 }
 
 void element(uint i) {

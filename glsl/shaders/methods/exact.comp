@@ -12,11 +12,31 @@
 // over n lattice lines reads no node twice, 2 n + 64 in all at most.
 const uint MOST_READS = 1u << 16;
 
+// Over a map of one texel, which is as high everywhere, however often it is repeated.
+March level_march(Trip trip, float height) {
+    bool above = false;
+    [[dont_unroll]] for (uint k = 0u; k + 1u < min(trip.course.nodes, COURSE_NODES); ++k) {
+        vec4 from = node_of(trip, k);
+        vec4 to = node_of(trip, k + 1u);
+        above = above || from.z >= height;
+        if (above && to.z < min(from.z, height)) {
+            float t = clamp((height - from.z) / (to.z - from.z), 0.0, 1.0);
+            return March(float(k) + t, mix(from.xy, to.xy, t), 1u, 1u, 0u);
+        }
+    }
+    return March(MISSED, vec2(0.0), 1u, 1u, 0u);
+}
+
 March marched(Trip trip) {
+    if (all(equal(trip.level.size, uvec2(1u)))) {
+        return level_march(trip, LOAD_TEXEL(trip.level.height_first));
+    }
     ivec2 ends = ends_of(trip);
     uint pieces = min(trip.course.nodes, COURSE_NODES) - 1u;
     March march = March(MISSED, vec2(0.0), 0u, 0u, 0u);
     bool above = false;
+    // What has not been met by then is not at a border beyond which nothing lies.
+    bool is_open = (trip.course.ends >> 4) == WAY_OPEN;
     [[dont_unroll]] for (uint k = 0u; k < pieces && march.s < 0.0; ++k) {
         Piece piece = piece_of(trip, k);
         Walk walk = walk_from(trip, piece, ends, above);
@@ -29,7 +49,7 @@ March marched(Trip trip) {
             }
             if (walk.t < 1.0 && march.fetches < MOST_READS) {
                 march.fetches += 1u;
-                found = visit_cell(trip, piece, ends, walk, bvec2(k == 0u, k + 1u == pieces));
+                found = visit_cell(trip, piece, ends, walk, bvec2(k == 0u, k + 1u == pieces && !is_open));
             }
         }
         above = walk.above;

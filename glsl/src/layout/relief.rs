@@ -86,7 +86,6 @@ mirrors! {
         pub count: u32,
         pub uv_channels: u32,
         pub light: u32,
-        pub has_outlines: u32,
     }
 
     pub struct SelfShadowParams {

@@ -67,6 +67,8 @@ pub struct Course {
     pub nodes: Vec<DVec4>,
     /// Of the ray and the base's normal.
     pub cosine: f64,
+    /// Nothing lies beyond its end.
+    pub is_open: bool,
 }
 
 /// What a method found.

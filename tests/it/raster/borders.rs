@@ -47,9 +47,9 @@ fn lying(u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
     ([2.0 * u - 1.0, 0.0, 2.0 * v - 1.0], [0.0, 1.0, 0.0])
 }
 
-/// Around the y axis; once round is where it began.
+/// Around the y axis; once round is where it began, but for the rounding of sin(2 pi).
 fn around(u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
-    let angle = u.fract() * std::f64::consts::TAU;
+    let angle = u * std::f64::consts::TAU;
     let (x, z) = (angle.cos(), angle.sin());
     ([0.8 * x, 1.0 - 2.0 * v, 0.8 * z], [x, 0.0, z])
 }
@@ -175,6 +175,17 @@ fn a_sheet_ends_where_fine_triangles_do_and_shows_their_colours() {
             assert!(pixels == 0 && apart < 0.025 && flat > 3.0 * apart, "{eye:?} {size:?}: {pixels}, {apart}, {flat}");
         }
     }
+}
+
+/// So far along a map that repeats that f32 tells hardly a sixteenth of a texel.
+fn far_along(u: f64, v: f64) -> [f64; 2] {
+    [u + 1024.0, v - 2048.0]
+}
+
+#[test]
+fn a_sheet_ends_where_it_does_however_many_turns_of_the_map_lie_before_it() {
+    let (pixels, _, _) = off(&pair([-2.0, 0.8, -0.9], [4, 2], lying, far_along, &carved()));
+    assert_eq!(pixels, 0);
 }
 
 #[test]

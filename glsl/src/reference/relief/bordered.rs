@@ -88,7 +88,10 @@ impl<'a> Foot<'a> {
         let (mut last, mut first) = (self.end(-1.0, &back), self.end(1.0, &forth));
         if back.end != End::Inside || forth.end != End::Inside {
             let nodes = vec![if back.t > 0.0 { last } else { first }];
-            return Bordered { course: Course { nodes, cosine }, ends: [back.end, forth.end] };
+            return Bordered {
+                course: Course { nodes, cosine, is_open: forth.end == End::Open },
+                ends: [back.end, forth.end],
+            };
         }
         (back.bends, forth.bends) = (Vec::new(), Vec::new());
         if start <= 0.0 {
@@ -103,13 +106,20 @@ impl<'a> Foot<'a> {
         let before = forth.bends.iter().map(|bend| self.node(1.0, *bend));
         let tail = (first.z > last.z).then_some(last);
         let nodes = [first].into_iter().chain(behind).chain(before).chain(tail).collect();
-        Bordered { course: Course { nodes, cosine }, ends: [back.end, forth.end] }
+        Bordered { course: Course { nodes, cosine, is_open: forth.end == End::Open }, ends: [back.end, forth.end] }
     }
 
     /// Beyond a seam the surface goes on: a ray that comes from there below it has struck it, and one that leaves above it
-    /// comes down to it. Where nothing is beyond, the same if `goes_on`.
+    /// comes down to it. Where nothing is beyond, the same if `goes_on`. What is struck lies below the level that is marched
+    /// or the finest, which lights may see, by its lift.
     #[must_use]
-    pub fn met(&self, level: &HeightLevel, on: &Bordered, march: Option<&March>, goes_on: bool) -> Option<Met> {
+    pub fn met(
+        &self,
+        [level, finest]: [&HeightLevel; 2],
+        on: &Bordered,
+        march: Option<&March>,
+        goes_on: bool,
+    ) -> Option<Met> {
         let (near, far) = (on.course.nodes[0], on.course.nodes[on.course.nodes.len() - 1]);
         let above = |node: DVec4| node.z - level.height(node.truncate().truncate());
         let at = |node: DVec4, t: f64| Some(Met { t, place: node.truncate().truncate(), is_level: true, lift: 0.0 });
@@ -118,7 +128,9 @@ impl<'a> Foot<'a> {
         }
         if let Some(march) = march.filter(|march| march.is_hit()) {
             let node = on.course.place(march.s);
-            let lift = (level.height(march.place) - node.z).max(0.0);
+            let finer = DVec2::from_array([0, 1].map(|k| f64::from(finest.size[k]) / f64::from(level.size[k])));
+            let high = level.height(march.place).max(finest.height((march.place + 0.5) * finer - 0.5));
+            let lift = (high - node.z).max(0.0);
             return Some(Met { t: node.w, place: march.place, is_level: false, lift });
         }
         let is_on = on.ends[1] == End::Seam || on.ends[1] == End::Open && goes_on;

@@ -12,6 +12,9 @@ const SAMPLES_ACROSS: f64 = 2.0;
 #[must_use]
 pub fn level(base: &Base, rows: &[[f32; 4]], at_px: DVec2, weights: DVec3, count: usize) -> usize {
     let texels = texels_per_sample(base, rows, at_px, weights);
+    if !texels.is_finite() {
+        return 0;
+    }
     (texels.max(1.0).log2().floor() as usize).min(count - 1)
 }
 
@@ -106,7 +109,7 @@ mod tests {
             let at = (place + DVec2::new(along, 0.7 * along) + 0.5) / 2f64.powi(level as i32) - 0.5;
             at.extend(8.5 - along / 4.0).extend(along)
         };
-        let course = Course { nodes: vec![node(0.0), node(36.0)], cosine: 0.2 };
+        let course = Course { nodes: vec![node(0.0), node(36.0)], cosine: 0.2, is_open: false };
         let march = marched(&maps[level], &course, 0.0);
         assert!(march.is_hit());
         course.place(march.s).z

@@ -124,16 +124,16 @@ impl ImageContents {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12
             + if self.has_tangents { 48 } else { 0 }
-            // What is beyond their sides, where rays keep to charts.
-            + if self.relief_texels > 0 && self.silhouettes == Silhouettes::None { 24 } else { 0 };
+            // What is beyond their sides.
+            + if self.relief_texels > 0 { 24 } else { 0 };
         // Corners, number, and two nodes.
         let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
         // The map with its mips, and its irradiance.
         let environment = self.environment.map_or(0, |[w, h]| u64::from(w) * u64::from(h) * 16 * 4 / 3 + (1 << 16))
             + self.reflection_texels * 16 * 4 / 3;
-        // Levels of heights (4/3), of each its bounds (4/3), or its cones.
-        let relief = self.relief_texels * 15;
+        // Levels of heights (4/3, twice where a map is a line), of each its bounds (the same), or its cones.
+        let relief = self.relief_texels * 24;
         let maps = self.texels * 16 * 4 / 3 + relief + environment;
         let [vertices, triangles] = self.drawn(self.vertices, self.triangles, self.outlined[0]);
         vertices * (per_vertex + self.outline_bytes())

@@ -170,9 +170,8 @@ mod tests {
             let of_scene = (vertices.1 - vertices.0) * (12 + 12 + 8) + (triangles.1 - triangles.0) * 12;
             // Of two instances: screen vertices, lists, and records of large triangles.
             let of_work = 2 * ((vertices.1 - vertices.0) * 16 + (triangles.1 - triangles.0) * (20 + 7 * (48 + 8)));
-            // Where outlines move, rays keep to no charts.
-            let of_charts = triangles.0 * 24;
-            assert_eq!(bytes(&scene) + of_charts - bytes(&base), of_scene + vertices.1 * per_vertex + of_work);
+            let of_charts = (triangles.1 - triangles.0) * 24;
+            assert_eq!(bytes(&scene) - bytes(&base), of_scene + of_charts + vertices.1 * per_vertex + of_work);
         }
     }
 

@@ -299,12 +299,7 @@ pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>,
 
 fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseLightParams {
-        count: count as u32,
-        uv_channels: scene.uv_channels,
-        light,
-        has_outlines: has_outlines(scene),
-    };
+    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
     let bound = [
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),

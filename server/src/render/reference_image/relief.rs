@@ -198,7 +198,9 @@ fn landed(at: &Landing<'_>, foot: &Foot<'_>, range: &Range<f64>, base: &flat::Ba
     let map = &at.heights.levels[at.level];
     let on = foot.course(range, at.ray.direction.dot(base.normal).abs());
     let march = (on.course.nodes.len() > 1).then(|| (at.marcher.twin)(map, &on.course, at.marcher.setting.into()));
-    let Some(met) = foot.met(&map.level, &on, march.as_ref(), at.is_seen) else { return Found::Missed(march) };
+    let Some(met) = foot.met([&map.level, &at.heights.levels[0].level], &on, march.as_ref(), at.is_seen) else {
+        return Found::Missed(march);
+    };
     let way = foot.way_to(met.t);
     let there = Place { triangle: way.triangle, ..*at.place };
     let texels = at.heights.texels(&there, at.level, way.turns);

@@ -165,3 +165,13 @@ fn nothing_is_told_where_no_ray_keeps_to_charts() {
     scene.materials.iter_mut().for_each(|material| material.relief = None);
     assert!(sides(&scene).is_empty());
 }
+
+/// As a turn of sin(2 pi) is from one of 0; vertices within are not looked at.
+#[test]
+fn positions_that_rounding_tells_apart_are_one_at_borders() {
+    let mut second = strip(1.0, [0.5, 1.0]);
+    second.iter_mut().for_each(|(position, _)| position[2] += 1.2e-7);
+    assert!(beyond(&scene(&[strip(0.0, [0.0, 0.5]), second], [true; 2])).is_ok());
+    second.iter_mut().for_each(|(position, _)| position[2] += 1e-3);
+    assert_eq!(beyond(&scene(&[strip(0.0, [0.0, 0.5]), second], [true; 2])), Err(CHART_OPEN));
+}
