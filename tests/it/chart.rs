@@ -74,7 +74,8 @@ fn the_folder_of_a_chart_holds_every_file_of_every_point() {
         let image = image::open(rock.folder.join(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!((image.width(), image.height()), (64, 64), "{name}");
     }
-    let methods = ["flat", "bump", "parallax", "parallax-limited", "parallax-iterative", "steep", "occlusion", "relief"];
+    let methods =
+        ["flat", "bump", "parallax", "parallax-limited", "parallax-iterative", "steep", "occlusion", "relief"];
     for method in methods.iter().chain(&["cone", "exact", "displacement"]) {
         assert!(rock.points().iter().any(|point| point["method"] == *method), "{method}");
     }
@@ -105,17 +106,19 @@ fn the_table_has_a_row_for_each_point_and_metric_and_agrees_with_the_report() {
     let rows: Vec<HashMap<&str, &str>> = lines.map(|line| COLUMNS.split(',').zip(line.split(',')).collect()).collect();
     assert_eq!(rows.len(), 3 * rock.points().len());
     for (rows, point) in rows.chunks(3).zip(rock.points()) {
-        for (row, (metric, field)) in rows.iter().zip([
-            ("flip", "flip_mean"),
-            ("hit_px", "hit_error_px"),
-            ("silhouette_px", "silhouette_xor_px"),
-        ]) {
+        for (row, (metric, field)) in
+            rows.iter().zip([("flip", "flip_mean"), ("hit_px", "hit_error_px"), ("silhouette_px", "silhouette_xor_px")])
+        {
             assert_eq!((row["method"], row["metric"]), (point["method"].as_str().unwrap(), metric));
             assert_eq!(row["error"].parse().ok(), point[field].as_f64(), "{row:?}");
             assert_eq!(row["ms"].parse::<f64>().ok(), point["ms"].as_f64(), "{row:?}");
             let on_front = point["fronts"].as_array().unwrap().iter().any(|front| front == metric);
             assert_eq!(row["pareto"], on_front.to_string());
-            assert_eq!((row["predicted"], row["chosen"], row["ms_spread"]), ("", "", ""), "run once, and not predicted");
+            assert_eq!(
+                (row["predicted"], row["chosen"], row["ms_spread"]),
+                ("", "", ""),
+                "run once, and not predicted"
+            );
         }
     }
     assert!(rows.iter().any(|row| row["pareto"] == "true"));
@@ -162,7 +165,9 @@ fn vectors_leave_out_what_shows_heights_and_say_why() {
     let why = |method: &str| {
         let begins = format!("{method} ");
         let told = warnings.iter().filter_map(|warning| warning["message"].as_str());
-        told.into_iter().find(|message| message.starts_with(&begins)).unwrap_or_else(|| panic!("{method}: {warnings:?}"))
+        told.into_iter()
+            .find(|message| message.starts_with(&begins))
+            .unwrap_or_else(|| panic!("{method}: {warnings:?}"))
     };
     for method in ["parallax", "steep", "occlusion", "relief", "cone", "exact"] {
         assert!(why(method).contains("choose method vector"), "{}", why(method));

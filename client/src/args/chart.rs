@@ -29,7 +29,7 @@ pub(crate) struct ChartArgs {
     pub(crate) camera: CameraArgs,
     #[command(flatten)]
     pub(crate) light: LightArgs,
-    /// Runs of each setting, whose median counts, 1 to 100; what takes longer than a second runs once
+    /// Runs of each setting, whose median counts, 1 to 100; what has taken half a second is not run again
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100), help_heading = "Chart")]
     pub(crate) repeats: u32,
     /// Rays a pixel of the truth, 1 to 1024

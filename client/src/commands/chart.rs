@@ -130,6 +130,7 @@ fn point_json(point: &ChartPoint) -> Value {
         "ms": point.ms,
         "geometry_ms": point.geometry_ms,
         "image_ms": point.image_ms,
+        "setup_ms": point.setup_ms,
         "runs": point.runs,
         "flip_mean": error.flip_mean,
         "flip_p99": error.flip_p99,

@@ -81,7 +81,7 @@ impl Candidate {
             .map(|method| of(method, Setting::None))
             .into();
         for method in [Method::Steep, Occlusion, Method::Relief, Cone] {
-            all.extend(STEPS.into_iter().chain([0]).map(|steps| of(method, Setting::Steps(steps))));
+            all.extend([0].into_iter().chain(STEPS).map(|steps| of(method, Setting::Steps(steps))));
         }
         all.extend([Setting::None, Setting::Shell].map(|setting| of(Exact, setting)));
         if displacing.moves_vertices() {
@@ -139,6 +139,13 @@ impl Candidate {
         format!("{} {}", self.method.name(), self.setting()).trim_end().to_owned()
     }
 
+    /// Whether both are of one sweep: a method by steps, by tolerance, or by level.
+    #[must_use]
+    pub fn is_beside(&self, other: &Self) -> bool {
+        let is_level = |candidate: &Self| matches!(candidate.setting, Setting::Level(_));
+        self.method == other.method && is_level(self) == is_level(other)
+    }
+
     /// Stem of its files.
     #[must_use]
     pub fn name(&self) -> String {
@@ -181,6 +188,9 @@ pub struct Point {
     pub ms_spread: Option<f64>,
     pub geometry_ms: f64,
     pub image_ms: f64,
+    /// Besides: what its maps and light need once.
+    #[serde(default)]
+    pub setup_ms: f64,
     pub runs: u32,
     pub error: Comparison,
     /// Those that it is on.

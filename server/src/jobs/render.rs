@@ -140,7 +140,9 @@ impl RenderWork {
     fn take_exactly(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
         let request = &self.request;
         let mut passes = Vec::new();
-        let scene = inputs::timed(context.progress, "dice", &mut passes, || exact::scene(context, inputs, request))?;
+        let scene = inputs::timed(context.progress, "dice", &mut passes, || {
+            exact::scene(context, inputs, request, exact::RESIDUAL_PX)
+        })?;
         report.triangles = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
         report.vertices = scene.meshes.iter().map(|mesh| mesh.positions.len() as u64).sum();
         let rays = request.rays().ok_or_else(|| Error::internal("an exact image without rays"))?;

@@ -117,6 +117,7 @@ fn to_point(point: &Point) -> v1::ChartPoint {
         ms_spread: point.ms_spread,
         geometry_ms: point.geometry_ms,
         image_ms: point.image_ms,
+        setup_ms: point.setup_ms,
         runs: point.runs,
         error: Some(to_comparison(&point.error)),
         fronts: point.fronts.iter().map(|metric| to_metric(*metric).into()).collect(),

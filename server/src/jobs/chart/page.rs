@@ -36,7 +36,8 @@ pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
 }
 
 const FOOTER: &str = "\
-<footer>FLIP: Andersson et al. 2020, at 67 pixels per degree. Hit error: how far apart the places are that both images show at a \
+<footer>FLIP: Andersson et al. 2020, at 67 pixels per degree. Time is that of surface and image; what maps need once, \
+such as cones, is told apart. Hit error: how far apart the places are that both images show at a \
 pixel, as many pixels as that looks long face-on. Files: <a href=\"chart.csv\">chart.csv</a>, <a href=\"chart.json\">chart.json</a>, \
 <a href=\"chart.svg\">chart.svg</a>.</footer>\n</main>\n";
 
@@ -78,11 +79,12 @@ fn facts(point: &Point) -> serde_json::Value {
 
 fn figures(point: &Point) -> Vec<[String; 2]> {
     let error = &point.error;
-    let known: [[&str; 2]; 6] = [
+    let known: [[&str; 2]; 7] = [
         ["triangles", &grouped(point.triangles)],
         ["time", &format!("{} ms", rounded(point.ms))],
         ["of the surface", &format!("{} ms", rounded(point.geometry_ms))],
         ["of the image", &format!("{} ms", rounded(point.image_ms))],
+        ["of maps, once", &format!("{} ms", rounded(point.setup_ms))],
         ["mean FLIP", &rounded(error.flip_mean)],
         ["RMSE, linear light", &rounded(error.rmse_linear)],
     ];
@@ -111,7 +113,7 @@ fn table(chart: &Chart) -> String {
     html + "</tbody>\n</table></div>\n"
 }
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "setting",
     "triangles",
     "fetches a ray",
@@ -119,6 +121,7 @@ const COLUMNS: [&str; 13] = [
     "spread",
     "surface ms",
     "image ms",
+    "maps ms",
     "MiB",
     "FLIP",
     "FLIP p99",
@@ -139,6 +142,7 @@ fn cells(point: &Point) -> [String; COLUMNS.len() - 1] {
         or_dash(point.ms_spread.map(rounded)),
         rounded(point.geometry_ms),
         rounded(point.image_ms),
+        rounded(point.setup_ms),
         format!("{:.1}", point.scene_bytes as f64 / f64::from(1 << 20)),
         rounded(error.flip_mean),
         rounded(error.flip_p99),

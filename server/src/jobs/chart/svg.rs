@@ -137,7 +137,8 @@ impl<'c> Plot<'c> {
     fn courses(&self, svg: &mut String) {
         let mut last: Option<(&Point, [f64; 2])> = None;
         for (_, point, place) in self.shown() {
-            let goes_on = |known: &Point| known.method == point.method && is_level(known) == is_level(point);
+            let goes_on =
+                |known: &Point| known.method == point.method && sweep(known).is_some() && sweep(known) == sweep(point);
             if let Some((_, [x, y])) = last.filter(|(known, _)| goes_on(known)) {
                 let (color, [to_x, to_y]) = (mark(&point.method).color, place);
                 let _ = writeln!(
@@ -180,6 +181,9 @@ impl<'c> Plot<'c> {
     fn labels(&self, svg: &mut String) {
         let front = self.on_front();
         let mut taken: Vec<Rect> = self.shown().map(|(_, _, place)| mark_at(place)).collect();
+        if let (Some((_, [x, y])), Some((_, [last_x, last_y]))) = (front.first(), front.last()) {
+            taken.extend([along([*x, PLOT[1]], [*x, *y]), along([*last_x, *last_y], [PLOT[2], *last_y])]);
+        }
         for pair in front.windows(2) {
             let ([x0, y0], [x1, y1]) = (pair[0].1, pair[1].1);
             taken.extend([along([x0, y0], [x1, y0]), along([x1, y0], [x1, y1])]);
@@ -211,7 +215,7 @@ impl<'c> Plot<'c> {
         let y = PLOT[1] + 16.0 + 22.0 * methods.len() as f64;
         let _ = writeln!(
             svg,
-            "<path class=\"front\" stroke-width=\"1.5\" stroke-dasharray=\"5 3\" d=\"M{} {y}h22\"/><text class=\"ink\" x=\"{}\" y=\"{}\">none is as fast and nearer</text>",
+            "<path class=\"front\" stroke-width=\"1.5\" stroke-dasharray=\"5 3\" d=\"M{} {y}h22\"/><text class=\"ink\" x=\"{}\" y=\"{}\">the front</text>",
             x - 9.0,
             x + 18.0,
             y + 4.0
@@ -219,8 +223,12 @@ impl<'c> Plot<'c> {
     }
 }
 
-fn is_level(point: &Point) -> bool {
-    point.setting.starts_with("level")
+/// What of numbers a setting is one of.
+fn sweep(point: &Point) -> Option<&str> {
+    point
+        .setting
+        .contains(|c: char| c.is_ascii_digit())
+        .then(|| point.setting.trim_matches(|c: char| c.is_ascii_digit() || c == '.'))
 }
 
 fn shape(method: &str, [x, y]: [f64; 2]) -> String {
@@ -248,12 +256,12 @@ fn unit(metric: Metric) -> &'static str {
     }
 }
 
-/// Four digits that count.
+/// Three digits that count.
 pub(super) fn rounded(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }
-    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
 }
 

@@ -1,10 +1,12 @@
 //! One setting after the other: made several times, measured, and compared with the truth.
 
+use std::time::{Duration, Instant};
+
 use super::{lens, truth, truth::Truth};
-use crate::domain::cancel::NoProgress;
 use crate::{
     domain::{
-        Error, Result,
+        Error, ErrorKind, Result,
+        cancel::NoProgress,
         chart::{Candidate, ChartRequest, Point, Setting},
         encode,
         image::{ImagePlan, ImageSet, RenderScene},
@@ -24,10 +26,14 @@ use crate::{
     render::JobContext,
 };
 
-/// What took longer than this is not run again, milliseconds.
-const ENOUGH_MS: f64 = 1000.0;
+/// What has taken as long is not run again, milliseconds.
+const ENOUGH_MS: f64 = 500.0;
+/// What settings of one sweep may take together.
+const MOST: Duration = Duration::from_secs(8);
 /// The pass that no method is charged with.
 const COMPILE: &str = "compile";
+/// Passes that maps and light need once, however many images follow.
+const SETUP: [&str; 4] = ["mip", "cone_map", "brdf_table", "brdf_averages"];
 
 pub(super) struct Sweep<'a> {
     context: &'a WorkContext<'a>,
@@ -35,6 +41,8 @@ pub(super) struct Sweep<'a> {
     truth: &'a Truth,
     /// What was read for one kind of methods; they come kind by kind.
     read: Option<(Method, Inputs)>,
+    /// The last setting, what it took, and what its sweep has taken so far.
+    last: Option<(Candidate, [Duration; 2])>,
     pub(super) passes: Vec<PassTime>,
 }
 
@@ -45,21 +53,47 @@ pub(super) struct Shown {
     pub(super) difference: Vec<u8>,
 }
 
-/// The runs of one setting: of each, what surface and image took.
+/// The runs of one setting.
 struct Runs {
     images: ImageSet,
-    ms: Vec<[f64; 2]>,
+    took: Vec<Took>,
     triangles: u64,
     vertices: u64,
     scene_bytes: u64,
 }
 
+/// What one run took, milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Took {
+    geometry: f64,
+    image: f64,
+    setup: f64,
+}
+
+impl Took {
+    fn ms(&self) -> f64 {
+        self.geometry + self.image
+    }
+}
+
 impl<'a> Sweep<'a> {
     pub(super) fn new(context: &'a WorkContext<'a>, request: &'a ChartRequest, truth: &'a Truth) -> Self {
-        Self { context, request, truth, read: None, passes: Vec::new() }
+        Self { context, request, truth, read: None, last: None, passes: Vec::new() }
     }
 
+    /// Unless its sweep has taken too long.
     pub(super) fn show(&mut self, candidate: &Candidate) -> Result<Shown> {
+        let start = Instant::now();
+        let beside = self.last.filter(|(last, _)| last.is_beside(candidate));
+        let [took, spent] = beside.map_or([Duration::ZERO; 2], |(_, times)| times);
+        refuse_slow(took, spent)?;
+        let shown = self.shown(candidate);
+        let took = start.elapsed();
+        self.last = Some((*candidate, [took, spent + took]));
+        shown
+    }
+
+    fn shown(&mut self, candidate: &Candidate) -> Result<Shown> {
         let mut request = candidate.request(&self.request.truth);
         if let Setting::TolerancePx(px) = candidate.setting {
             let size = [request.width, request.height];
@@ -85,19 +119,21 @@ impl<'a> Sweep<'a> {
     }
 
     fn runs(&self, inputs: &mut Inputs, request: &RenderRequest) -> Result<Runs> {
-        let (surfaces, geometry_ms) = self.surfaces(inputs, request)?;
+        let (surfaces, geometry) = self.surfaces(inputs, request)?;
         let (scene, plan) = self.scene(inputs, request, surfaces)?;
-        let (mut images, image_ms) = self.image(&plan, &scene)?;
-        let mut ms = vec![[geometry_ms, image_ms]];
-        while ms.len() < self.request.repeats as usize && total(&ms) < ENOUGH_MS {
+        let (mut images, [image, setup]) = self.image(&plan, &scene)?;
+        let mut took = vec![Took { geometry, image, setup }];
+        while took.len() < self.request.repeats as usize
+            && took.iter().map(|t| t.ms() + t.setup).sum::<f64>() < ENOUGH_MS
+        {
             self.context.cancel.check()?;
-            let (_, geometry_ms) = self.surfaces(inputs, request)?;
-            let (again, image_ms) = self.image(&plan, &scene)?;
-            ms.push([geometry_ms, image_ms]);
+            let (_, geometry) = self.surfaces(inputs, request)?;
+            let (again, [image, setup]) = self.image(&plan, &scene)?;
+            took.push(Took { geometry, image, setup });
             images = again;
         }
         let (triangles, vertices) = (inputs.plans.triangles(), inputs.plans.vertices());
-        Ok(Runs { images, ms, triangles, vertices, scene_bytes: scene.contents().scene_bytes() })
+        Ok(Runs { images, took, triangles, vertices, scene_bytes: scene.contents().scene_bytes() })
     }
 
     fn surfaces(&self, inputs: &mut Inputs, request: &RenderRequest) -> Result<(Vec<Surface>, f64)> {
@@ -106,7 +142,7 @@ impl<'a> Sweep<'a> {
         for one in surfaces.iter_mut().enumerate() {
             bumps::keep_base_normals(&context, inputs, &request.surface.geometry, one, &mut times)?;
         }
-        Ok((surfaces, device_ms(&times)))
+        Ok((surfaces, sum_of(&times, |name| name != COMPILE)))
     }
 
     fn scene(
@@ -132,15 +168,18 @@ impl<'a> Sweep<'a> {
         Ok((scene, plan))
     }
 
-    fn image(&self, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, f64)> {
+    /// The image, and what it and its setup took.
+    fn image(&self, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, [f64; 2])> {
         let (images, times) = self.context.executor.render(&quiet(self.context), plan, scene)?;
-        Ok((images, device_ms(&times)))
+        let is_setup = |name: &str| SETUP.contains(&name);
+        let image = sum_of(&times, |name| name != COMPILE && !is_setup(name));
+        Ok((images, [image, sum_of(&times, is_setup)]))
     }
 
     fn compared(&self, candidate: &Candidate, runs: &Runs) -> Result<Shown> {
         let picture = Picture::of_images("image", &runs.images)?;
         let (error, differences) = metrics::compare(&self.truth.picture, &picture, self.context.cancel)?;
-        let [geometry_ms, image_ms] = median(&runs.ms).ok_or_else(|| Error::internal("a setting was never run"))?;
+        let took = median(&runs.took).ok_or_else(|| Error::internal("a setting was never run"))?;
         let point = Point {
             name: candidate.name(),
             method: candidate.method.name().into(),
@@ -149,11 +188,12 @@ impl<'a> Sweep<'a> {
             vertices: runs.vertices,
             counters: runs.images.counters,
             scene_bytes: runs.scene_bytes,
-            ms: geometry_ms + image_ms,
-            ms_spread: spread(&runs.ms),
-            geometry_ms,
-            image_ms,
-            runs: runs.ms.len() as u32,
+            ms: took.ms(),
+            ms_spread: spread(&runs.took),
+            geometry_ms: took.geometry,
+            image_ms: took.image,
+            setup_ms: took.setup,
+            runs: runs.took.len() as u32,
             error,
             fronts: Vec::new(),
         };
@@ -172,50 +212,62 @@ fn quiet<'a>(context: &WorkContext<'a>) -> JobContext<'a> {
     JobContext { cancel: context.cancel, progress: &NoProgress }
 }
 
-fn device_ms(times: &[PassTime]) -> f64 {
-    times.iter().filter(|time| time.name != COMPILE).map(|time| time.ms).sum()
+/// Fails where one more setting like the last would take too long.
+fn refuse_slow(took: Duration, spent: Duration) -> Result<()> {
+    if spent + took <= MOST {
+        return Ok(());
+    }
+    let message = format!(
+        "its method has taken {:.1} s for other settings, and one more would make it more than {} s: take a faster device, a smaller map or a smaller image",
+        spent.as_secs_f64(),
+        MOST.as_secs()
+    );
+    Err(Error::new(ErrorKind::TooLarge, message))
 }
 
-fn sum([geometry_ms, image_ms]: &[f64; 2]) -> f64 {
-    geometry_ms + image_ms
-}
-
-fn total(runs: &[[f64; 2]]) -> f64 {
-    runs.iter().map(sum).sum()
+fn sum_of(times: &[PassTime], counts: impl Fn(&str) -> bool) -> f64 {
+    times.iter().filter(|time| counts(&time.name)).map(|time| time.ms).sum()
 }
 
 /// The run in the middle, of two the faster.
-fn median(runs: &[[f64; 2]]) -> Option<[f64; 2]> {
+fn median(runs: &[Took]) -> Option<Took> {
     let mut runs = runs.to_vec();
-    runs.sort_by(|a, b| sum(a).total_cmp(&sum(b)));
+    runs.sort_by(|a, b| a.ms().total_cmp(&b.ms()));
     runs.get(runs.len().saturating_sub(1) / 2).copied()
 }
 
-fn spread(runs: &[[f64; 2]]) -> Option<f64> {
-    let ends = runs.iter().map(sum).fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], ms| [low.min(ms), high.max(ms)]);
-    (runs.len() > 1).then(|| ends[1] - ends[0])
+fn spread(runs: &[Took]) -> Option<f64> {
+    let ms = runs.iter().map(Took::ms);
+    let [least, most] = ms.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], ms| [least.min(ms), most.max(ms)]);
+    (runs.len() > 1).then(|| most - least)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn took(geometry: f64, image: f64) -> Took {
+        Took { geometry, image, setup: 100.0 * geometry }
+    }
+
     #[test]
     fn the_run_in_the_middle_counts_whole() {
-        assert_eq!(median(&[[1.0, 5.0], [4.0, 1.0], [0.5, 9.0]]), Some([1.0, 5.0]));
-        assert_eq!(median(&[[1.0, 5.0], [4.0, 1.0]]), Some([4.0, 1.0]));
+        assert_eq!(median(&[took(1.0, 5.0), took(4.0, 1.0), took(0.5, 9.0)]), Some(took(1.0, 5.0)));
+        assert_eq!(median(&[took(1.0, 5.0), took(4.0, 1.0)]), Some(took(4.0, 1.0)));
         assert_eq!(median(&[]), None);
     }
 
     #[test]
     fn one_run_has_no_spread() {
-        assert_eq!(spread(&[[1.0, 2.0]]), None);
-        assert_eq!(spread(&[[1.0, 2.0], [1.0, 4.0], [0.0, 2.5]]), Some(2.5));
+        assert_eq!(spread(&[took(1.0, 2.0)]), None);
+        assert_eq!(spread(&[took(1.0, 2.0), took(1.0, 4.0), took(0.0, 2.5)]), Some(2.5));
     }
 
     #[test]
-    fn compiling_is_not_charged_to_a_method() {
-        let time = |name: &str, ms| PassTime { name: name.into(), ms, bytes: 0 };
-        assert_eq!(device_ms(&[time("compile", 900.0), time("march", 2.0), time("refine (host)", 3.0)]), 5.0);
+    fn a_method_that_takes_too_long_is_not_asked_again() {
+        let secs = Duration::from_secs;
+        assert!(refuse_slow(secs(0), secs(0)).is_ok() && refuse_slow(secs(2), secs(6)).is_ok());
+        let error = refuse_slow(secs(5), secs(5)).unwrap_err();
+        assert!(error.message.contains("5.0 s") && error.message.contains("8 s"), "{error}");
     }
 }

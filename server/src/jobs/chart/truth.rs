@@ -19,6 +19,10 @@ use crate::{
     oracle::{self, image::Exposure, metrics::picture::Picture},
 };
 
+/// How far it may be from the surface, pixels: half of what the finest setting is allowed, since what it takes grows with
+/// its inverse.
+const RESIDUAL_PX: f64 = 1.0 / 8.0;
+
 pub(super) struct Truth {
     pub(super) picture: Picture,
     pub(super) png: Vec<u8>,
@@ -38,7 +42,9 @@ pub(super) fn take(context: &WorkContext<'_>, request: &RenderRequest) -> Result
     let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
     planned(&inputs, context.limits, request)?;
     let mut passes = inputs.take_passes();
-    let scene = inputs::timed(context.progress, "dice", &mut passes, || exact::scene(context, &mut inputs, request))?;
+    let scene = inputs::timed(context.progress, "dice", &mut passes, || {
+        exact::scene(context, &mut inputs, request, RESIDUAL_PX)
+    })?;
     let rays = request.rays().ok_or_else(|| Error::internal("a truth without rays"))?;
     let shadows = rays.shadows != Shadows::None;
     let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };

@@ -48,7 +48,7 @@ fn under_a_projection_only_what_moves_vertices_is_left() {
     let methods = [Method::Flat, Method::Displacement];
     assert!(chart.candidates.iter().all(|candidate| methods.contains(&candidate.method)), "{:?}", chart.candidates);
     assert!(LeftOut::warnings(&chart.left_out).iter().any(|warning| {
-        warning.message.starts_with("relief 8, 16, 32, 64, auto is not charted")
+        warning.message.starts_with("relief auto, 8, 16, 32, 64 is not charted")
             && warning.message.contains("--projection uv")
     }));
 }

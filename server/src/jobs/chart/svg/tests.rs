@@ -50,6 +50,6 @@ fn what_has_no_error_of_a_kind_is_not_in_its_chart() {
 }
 
 #[test]
-fn figures_have_four_digits() {
-    assert_eq!([0.0, 0.012_345_6, 1.0, 1234.5, 99.999].map(rounded), ["0", "0.01235", "1.000", "1234", "100.00"]);
+fn figures_have_three_digits() {
+    assert_eq!([0.0, 0.012_345_6, 1.0, 1234.5, 99.999].map(rounded), ["0", "0.0123", "1.00", "1234", "100.0"]);
 }
