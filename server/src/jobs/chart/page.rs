@@ -134,7 +134,7 @@ const COLUMNS: [&str; 14] = [
 fn cells(point: &Point) -> [String; COLUMNS.len() - 1] {
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     let error = &point.error;
-    let fronts: Vec<&str> = point.fronts.iter().map(|metric| svg::what(*metric)).collect();
+    let fronts: Vec<&str> = point.fronts.iter().map(|metric| short(*metric)).collect();
     [
         grouped(point.triangles),
         or_dash(point.counters.map(|c| format!("{:.1}", c.fetches as f64 / c.rays.max(1) as f64))),
@@ -150,6 +150,14 @@ fn cells(point: &Point) -> [String; COLUMNS.len() - 1] {
         or_dash(error.silhouette_xor_px.map(|px| px.to_string())),
         fronts.join(", "),
     ]
+}
+
+fn short(metric: Metric) -> &'static str {
+    match metric {
+        Metric::Flip => "FLIP",
+        Metric::HitPx => "hit",
+        Metric::SilhouettePx => "outline",
+    }
 }
 
 fn told(warnings: &[Warning]) -> String {

@@ -240,7 +240,7 @@ fn shape(method: &str, [x, y]: [f64; 2]) -> String {
     format!("<path class=\"paper\" stroke=\"{color}\" stroke-width=\"2\" d=\"{path}\"/>")
 }
 
-pub(super) fn what(metric: Metric) -> &'static str {
+fn what(metric: Metric) -> &'static str {
     match metric {
         Metric::Flip => "FLIP",
         Metric::HitPx => "hit error",

@@ -19,9 +19,9 @@ use crate::{
     oracle::{self, image::Exposure, metrics::picture::Picture},
 };
 
-/// How far it may be from the surface, pixels: half of what the finest setting is allowed, since what it takes grows with
+/// How far it may be from the surface, pixels: a quarter of what the finest setting is allowed, since what it takes grows with
 /// its inverse.
-const RESIDUAL_PX: f64 = 1.0 / 8.0;
+const RESIDUAL_PX: f64 = 1.0 / 16.0;
 
 pub(super) struct Truth {
     pub(super) picture: Picture,

@@ -20,7 +20,7 @@ for (const element of document.querySelectorAll("[data-point]")) {
   const told = () => show(Number(element.dataset.point));
   element.addEventListener("mouseenter", told);
   element.addEventListener("focusin", told);
-  // A tap shows before it opens.
+  // A click or a tap shows, Enter opens.
   if (element.closest(".chart")) element.addEventListener("click", (event) => {
     if (!element.classList.contains("seen") || event.detail) event.preventDefault();
     told();
