@@ -1,7 +1,5 @@
 //! One setting after the other: made several times, measured, and compared with the truth.
 
-use std::time::{Duration, Instant};
-
 use super::{lens, truth, truth::Truth};
 use crate::{
     domain::{
@@ -28,8 +26,9 @@ use crate::{
 
 /// What has taken as long is not run again, milliseconds.
 const ENOUGH_MS: f64 = 500.0;
-/// What settings of one sweep may take together.
-const MOST: Duration = Duration::from_secs(8);
+/// What settings of one sweep may take together for each `SMALL` pixels, milliseconds; images of fewer count as many.
+const MOST_MS: f64 = 8000.0;
+const SMALL: f64 = 65536.0;
 /// The pass that no method is charged with.
 const COMPILE: &str = "compile";
 /// Passes that maps and light need once, however many images follow.
@@ -42,13 +41,15 @@ pub(super) struct Sweep<'a> {
     /// What was read for one kind of methods; they come kind by kind.
     read: Option<(Method, Inputs)>,
     /// The last setting, what it took, and what its sweep has taken so far.
-    last: Option<(Candidate, [Duration; 2])>,
+    last: Option<(Candidate, [f64; 2])>,
     pub(super) passes: Vec<PassTime>,
 }
 
 /// A point and its pictures, as PNG.
 pub(super) struct Shown {
     pub(super) point: Point,
+    /// All runs, with what they were set up by.
+    took_ms: f64,
     pub(super) image: Vec<u8>,
     pub(super) difference: Vec<u8>,
 }
@@ -83,14 +84,13 @@ impl<'a> Sweep<'a> {
 
     /// Unless its sweep has taken too long.
     pub(super) fn show(&mut self, candidate: &Candidate) -> Result<Shown> {
-        let start = Instant::now();
         let beside = self.last.filter(|(last, _)| last.is_beside(candidate));
-        let [took, spent] = beside.map_or([Duration::ZERO; 2], |(_, times)| times);
-        refuse_slow(took, spent)?;
-        let shown = self.shown(candidate);
-        let took = start.elapsed();
-        self.last = Some((*candidate, [took, spent + took]));
-        shown
+        let [took, spent] = beside.map_or([0.0; 2], |(_, times)| times);
+        let pixels = f64::from(self.request.truth.width) * f64::from(self.request.truth.height);
+        refuse_slow(took, spent, MOST_MS * (pixels / SMALL).max(1.0))?;
+        let shown = self.shown(candidate)?;
+        self.last = Some((*candidate, [shown.took_ms, spent + shown.took_ms]));
+        Ok(shown)
     }
 
     fn shown(&mut self, candidate: &Candidate) -> Result<Shown> {
@@ -123,9 +123,7 @@ impl<'a> Sweep<'a> {
         let (scene, plan) = self.scene(inputs, request, surfaces)?;
         let (mut images, [image, setup]) = self.image(&plan, &scene)?;
         let mut took = vec![Took { geometry, image, setup }];
-        while took.len() < self.request.repeats as usize
-            && took.iter().map(|t| t.ms() + t.setup).sum::<f64>() < ENOUGH_MS
-        {
+        while took.len() < self.request.repeats as usize && all_of(&took) < ENOUGH_MS {
             self.context.cancel.check()?;
             let (_, geometry) = self.surfaces(inputs, request)?;
             let (again, [image, setup]) = self.image(&plan, &scene)?;
@@ -198,7 +196,8 @@ impl<'a> Sweep<'a> {
             fronts: Vec::new(),
         };
         let difference = encode::encode_rgb8(differences.width, differences.height, &differences.colors())?;
-        Ok(Shown { point, image: truth::png(&runs.images)?, difference })
+        let took_ms = all_of(&runs.took);
+        Ok(Shown { point, took_ms, image: truth::png(&runs.images)?, difference })
     }
 }
 
@@ -213,16 +212,20 @@ fn quiet<'a>(context: &WorkContext<'a>) -> JobContext<'a> {
 }
 
 /// Fails where one more setting like the last would take too long.
-fn refuse_slow(took: Duration, spent: Duration) -> Result<()> {
-    if spent + took <= MOST {
+fn refuse_slow(took_ms: f64, spent_ms: f64, most_ms: f64) -> Result<()> {
+    if spent_ms + took_ms <= most_ms {
         return Ok(());
     }
     let message = format!(
-        "its method has taken {:.1} s for other settings, and one more would make it more than {} s: take a faster device, a smaller map or a smaller image",
-        spent.as_secs_f64(),
-        MOST.as_secs()
+        "its method has taken {:.1} s for other settings, and one more would make it more than {:.0} s: take a faster device or a smaller map",
+        spent_ms / 1e3,
+        most_ms / 1e3
     );
     Err(Error::new(ErrorKind::TooLarge, message))
+}
+
+fn all_of(runs: &[Took]) -> f64 {
+    runs.iter().map(|took| took.ms() + took.setup).sum()
 }
 
 fn sum_of(times: &[PassTime], counts: impl Fn(&str) -> bool) -> f64 {
@@ -265,9 +268,8 @@ mod tests {
 
     #[test]
     fn a_method_that_takes_too_long_is_not_asked_again() {
-        let secs = Duration::from_secs;
-        assert!(refuse_slow(secs(0), secs(0)).is_ok() && refuse_slow(secs(2), secs(6)).is_ok());
-        let error = refuse_slow(secs(5), secs(5)).unwrap_err();
+        assert!(refuse_slow(0.0, 0.0, 8000.0).is_ok() && refuse_slow(2000.0, 6000.0, 8000.0).is_ok());
+        let error = refuse_slow(5000.0, 5000.0, 8000.0).unwrap_err();
         assert!(error.message.contains("5.0 s") && error.message.contains("8 s"), "{error}");
     }
 }
