@@ -28,7 +28,7 @@ PAGED(7, readonly, ReliefLevel, relief_levels);
 PAGED(8, readonly, vec3, bends);
 // Of instances: by how much their triangles are raised, mesh-local units.
 PAGED(9, readonly, float, raises);
-PAGED(10, writeonly, Course, courses);
+PAGED(10, , Course, courses); // levels are there
 PAGED(11, writeonly, vec4, course_nodes);
 
 #include "pixel_ray.glsl"
@@ -43,7 +43,8 @@ vec3 unit_direction(uint vertex) {
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+    uint level = LOAD(courses, i).level;
+    STORE(courses, i, Course(0u, point.material, level, 0.0, 0u));
     if (relief.level_count == 0u) {
         return;
     }
@@ -56,7 +57,7 @@ void element(uint i) {
         bend.first[k] = LOAD(bends, 2u * point.vertices[k]);
         bend.second[k] = LOAD(bends, 2u * point.vertices[k] + 1u);
     }
-    mat3x2 texels = texels_of(relief, point.vertices);
+    mat3x2 texels = texels_of(relief, point.vertices, level);
     Prism prism = prism_of(corner, along, vec2(relief.low, relief.high));
     if (prism.side <= 0.0) {
         return;
@@ -74,7 +75,7 @@ void element(uint i) {
         vec4 at = flight_at(flight, t);
         STORE(course_nodes, i * COURSE_NODES + n, vec4(texels * at.xyz, at.w * prism.side, flight.t + t));
     }
-    STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright))));
+    STORE(courses, i, Course(COURSE_NODES, point.material, level, abs(dot(ray.direction, prism.upright)), 0u));
 }
 
 #include "batch.glsl"

@@ -23,7 +23,7 @@ PAGED(4, readonly, vec3, directions);
 PAGED(5, readonly, vec2, uvs);
 PAGED(6, readonly, Relief, reliefs);
 PAGED(7, readonly, ReliefLevel, relief_levels);
-PAGED(8, writeonly, Course, courses);
+PAGED(8, , Course, courses); // levels are there
 PAGED(9, writeonly, vec4, course_nodes);
 
 #include "pixel_ray.glsl"
@@ -32,7 +32,8 @@ PAGED(9, writeonly, vec4, course_nodes);
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    STORE(courses, i, Course(0u, point.material, LEVEL, 0.0));
+    uint level = LOAD(courses, i).level;
+    STORE(courses, i, Course(0u, point.material, level, 0.0, 0u));
     if (relief.level_count == 0u) {
         return;
     }
@@ -42,7 +43,7 @@ void element(uint i) {
         corner[k] = LOAD(positions, point.vertices[k]);
         along[k] = LOAD(directions, point.vertices[k]);
     }
-    mat3x2 texels = texels_of(relief, point.vertices);
+    mat3x2 texels = texels_of(relief, point.vertices, level);
     Prism prism = prism_of(corner, along, vec2(relief.low, relief.high));
     if (prism.side <= 0.0) {
         return;
@@ -64,7 +65,7 @@ void element(uint i) {
         STORE(course_nodes, i * COURSE_NODES + n, vec4(texels * under.weights, height_of_place(prism, under), t));
     }
     if (found) {
-        STORE(courses, i, Course(COURSE_NODES, point.material, LEVEL, abs(dot(ray.direction, prism.upright))));
+        STORE(courses, i, Course(COURSE_NODES, point.material, level, abs(dot(ray.direction, prism.upright)), 0u));
     }
 }
 

@@ -56,7 +56,7 @@ uint steps_of(Trip trip) {
     if (trip.relief.steps != 0u) {
         return min(trip.relief.steps, MOST_STEPS);
     }
-    float thinnest = max(trip.relief.thinnest_texels * exp2(-float(trip.course.level)), 0.5);
+    float thinnest = max(trip.relief.thinnest_texels * exp2(-float(trip.course.level)), 1.0);
     return uint(clamp(ceil(travel_of(trip) / thinnest), float(LEAST_STEPS), float(MOST_STEPS)));
 }
 

@@ -31,7 +31,26 @@ struct Course {
     uint material;
     uint level;    // of the material's, from the finest
     float cosine;  // of the ray and the base's normal, at the base
+    uint ends;     // how it begins, WAY_*, and how it ends, four bits up; one node alone is all beyond a border
 };
+
+// What is beyond each side of a triangle, which leads from corner k to the next.
+struct ChartSides {
+    uvec3 across; // the triangle there, of all meshes; CHART_OPEN or CHART_SEAM
+    uvec3 how;    // its side, 2 bits; 1 bit: it is mirrored on the map; what is to be added to its places, 14 bits each
+};
+
+// Nothing of the mesh is there.
+const uint CHART_OPEN = 0xFFFFFFFFu;
+// The surface goes on, and is elsewhere on the map.
+const uint CHART_SEAM = 0xFFFFFFFEu;
+
+// How a way over charts ends.
+const uint WAY_INSIDE = 0u; // on the chart, or nobody knows
+const uint WAY_OPEN = 1u;
+const uint WAY_SEAM = 2u;
+const uint WAY_BENT = 3u;   // not yet: it goes on mirrored
+const uint WAY_LEADS = 4u;  // not yet
 
 const uint COURSE_NODES = 9u;
 
@@ -45,3 +64,16 @@ struct March {
 };
 
 const float MISSED = -1.0;
+
+// Where a ray has met a height map, or the border of its chart.
+struct Landing {
+    vec3 x;     // mesh-local
+    vec2 place; // texels of the level
+    vec2 turns; // what is to be added to places of the triangle there, texels
+    uint kind;  // LANDED_*
+    float lift; // from there up to the heights, which a step may have gone below, mesh-local units
+};
+
+const uint LANDED_NOWHERE = 0u;
+const uint LANDED = 1u;
+const uint LANDED_LEVEL = 2u; // at a border, beyond which heights count as what they are there

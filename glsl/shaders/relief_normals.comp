@@ -22,7 +22,7 @@ PAGED(1, readonly, vec2, uvs);
 PAGED(2, readonly, Relief, reliefs);
 PAGED(3, readonly, ReliefLevel, relief_levels);
 PAGED(4, readonly, Course, courses);
-PAGED(5, readonly, March, marches);
+PAGED(5, readonly, Landing, landings);
 PAGED(6, readonly, Bump, bumps);
 PAGED(7, , Appearance, appearances);
 PAGED(8, readonly, vec3, positions);
@@ -53,7 +53,7 @@ vec3 struck_normal(SurfacePoint point, mat3x2 corners, vec2 slope) {
 void element(uint i) {
     SurfacePoint point = LOAD(points, i);
     Relief relief = LOAD(reliefs, point.material);
-    if (relief.level_count == 0u || LOAD(courses, i).nodes < 2u || LOAD(marches, i).s < 0.0) {
+    if (relief.level_count == 0u || LOAD(landings, i).kind == LANDED_NOWHERE) {
         return;
     }
     // A normal map says more than the heights do.
@@ -61,12 +61,15 @@ void element(uint i) {
     if (has_map || !any(equal(LOAD(bumps, point.material).kinds, uvec4(BUMP_HEIGHT)))) {
         return;
     }
-    mat3x2 corners = texels_of(relief, point.vertices);
+    // Of the finest level: of what is coarser filtered slopes tell.
+    mat3x2 corners = texels_of(relief, point.vertices, 0u);
     vec2 dx = corners * point.at_dx;
     vec2 dy = corners * point.at_dy;
     float share = clamp(2.0 - sqrt(abs(dx.x * dy.y - dx.y * dy.x)), 0.0, 1.0);
-    vec2 slope = smooth_slope_at(relief, LOAD(courses, i).level, LOAD(marches, i).place);
-    vec3 normal = mix(LOAD(appearances, i).normal, struck_normal(point, corners, slope), share);
+    uint level = LOAD(courses, i).level;
+    vec2 slope = smooth_slope_at(relief, level, LOAD(landings, i).place);
+    vec3 struck = struck_normal(point, texels_of(relief, point.vertices, level), slope);
+    vec3 normal = mix(LOAD(appearances, i).normal, struck, share);
     float squared = dot(normal, normal);
     if (squared > 1e-12) {
         LOAD(appearances, i).normal = normal * inversesqrt(squared);

@@ -1,5 +1,5 @@
 #version 460
-// Moves what lies under each fragment to what its march has struck: weights and their derivatives, place, normals, and how far
+// Moves what lies under each fragment to where its ray has landed: weights and their derivatives, place, normals, and how far
 // away it is. A thread per fragment.
 #include "common.glsl"
 #include "pages.glsl"
@@ -13,12 +13,13 @@
 
 layout(local_size_x = 64) in;
 
-layout(push_constant, scalar) uniform Params {
+layout(push_constant, scalar) uniform RelieveParams {
     uint count;
     uint uv_channels;
     uint finds_depth;  // else maps are shifted, and nothing else
     uint has_outlines; // of what has no course nothing is seen, and normals are those of the place that is struck
     uint tests;        // fragments are samples under test: what is missed becomes NOTHING, depths are told
+    uint lifts;        // places are put on the heights above them, which a step may have gone below
 } params;
 
 PAGED(0, readonly, Fragment, fragments);
@@ -31,10 +32,8 @@ PAGED(6, readonly, Relief, reliefs);
 PAGED(7, readonly, ReliefLevel, relief_levels);
 PAGED(8, readonly, float, texels);
 PAGED(9, readonly, Course, courses);
-PAGED(10, readonly, vec4, course_nodes);
-PAGED(11, readonly, March, marches);
+PAGED(10, readonly, Landing, landings);
 
-#include "pixel_ray.glsl"
 #include "course_texels.glsl"
 #include "tiled.glsl"
 #include "taps.glsl"
@@ -81,13 +80,8 @@ void derive(inout SurfacePoint point, uint row, vec2 at_px, vec3 x, mat2x3 along
     point.at_dy = vec3(-dy.x - dy.y, dy);
 }
 
-vec4 node_at(uint first, uint nodes, float s) {
-    uint k = min(uint(max(s, 0.0)), nodes - 2u);
-    return mix(LOAD(course_nodes, first + k), LOAD(course_nodes, first + k + 1u), s - float(k));
-}
-
-// Puts the point where the ray has struck. `base`: weights where heights are none.
-void strike(inout SurfacePoint point, Relief relief, uint i, March march, mat3x2 texel_corners, vec3 base) {
+// Puts the point where the ray has landed.
+void strike(inout SurfacePoint point, Relief relief, uint level, vec2 at_px, Landing landing, mat3x2 texel_corners) {
     mat3 corner;
     mat3 normal;
     for (int k = 0; k < 3; ++k) {
@@ -95,19 +89,18 @@ void strike(inout SurfacePoint point, Relief relief, uint i, March march, mat3x2
         normal[k] = LOAD(normals, point.vertices[k]);
     }
     uint row = point.instance * INSTANCE_ROWS;
-    vec2 at_px = LOAD(fragments, i).at_px;
-    Course course = LOAD(courses, i);
-    PixelRay ray = pixel_ray(row, at_px, corner[0]);
-    vec3 x = corner[0] + ray.origin + node_at(i * COURSE_NODES, course.nodes, march.s).w * ray.direction;
-    vec3 n = unit_or_zero(normal * (params.has_outlines != 0u ? clamped(point.at) : base));
-    vec2 slope = slope_at(relief, course.level, march.place);
+    vec3 x = landing.x;
+    vec3 n = unit_or_zero(normal * clamped(point.at));
+    vec2 slope = slope_at(relief, level, landing.place);
     vec2 rises = slope * mat2(texel_corners[1] - texel_corners[0], texel_corners[2] - texel_corners[0]);
-    mat2x3 along = mat2x3(corner[1] - corner[0] + n * rises.x, corner[2] - corner[0] + n * rises.y);
+    vec2 seen = landing.kind == LANDED_LEVEL ? vec2(0.0) : rises;
+    mat2x3 along = mat2x3(corner[1] - corner[0] + n * seen.x, corner[2] - corner[0] + n * seen.y);
     derive(point, row, at_px, x, along);
     vec3 facet = n - surface_gradient(corner[1] - corner[0], corner[2] - corner[0], n, rises);
     point.facing = unit_or_zero(mapped(row + NORMAL_ROW, vec4(facet, 0.0)));
     point.normal = unit_or_zero(mapped(row + NORMAL_ROW, vec4(n, 0.0)));
-    point.position = mapped(row + WORLD_ROW, vec4(x, 1.0));
+    float lift = params.lifts != 0u ? landing.lift : 0.0;
+    point.position = mapped(row + WORLD_ROW, vec4(x + lift * n, 1.0));
     point.flip = 1.0;
     float depth = dot(LOAD(instance_rows, row + 2u), vec4(x, 1.0)) / dot(LOAD(instance_rows, row + 3u), vec4(x, 1.0));
     if (params.tests != 0u) {
@@ -121,20 +114,21 @@ void element(uint i) {
     if (relief.level_count == 0u) {
         return;
     }
-    March march = LOAD(marches, i);
-    bool has_course = LOAD(courses, i).nodes >= 2u;
-    if (!has_course || march.s < 0.0) {
-        if (params.tests != 0u && (params.has_outlines != 0u || has_course)) {
+    Landing landing = LOAD(landings, i);
+    Course course = LOAD(courses, i);
+    if (landing.kind == LANDED_NOWHERE) {
+        if (params.tests != 0u && (params.has_outlines != 0u || course.nodes > 0u)) {
             point.id = NOTHING;
             STORE(points, i, point);
         }
         return;
     }
-    mat3x2 texel_corners = texels_of(relief, point.vertices);
-    vec3 base = point.at;
-    point.at = weights_at(texel_corners, march.place, base);
+    mat3x2 texel_corners = texels_of(relief, point.vertices, course.level);
+    vec2 turns = landing.turns;
+    texel_corners = mat3x2(texel_corners[0] + turns, texel_corners[1] + turns, texel_corners[2] + turns);
+    point.at = weights_at(texel_corners, landing.place, point.at);
     if (params.finds_depth != 0u) {
-        strike(point, relief, i, march, texel_corners, base);
+        strike(point, relief, course.level, LOAD(fragments, i).at_px, landing, texel_corners);
     }
     STORE(points, i, point);
 }

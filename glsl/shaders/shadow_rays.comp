@@ -12,6 +12,7 @@
 #include "vertex_color.glsl"
 #include "texel_pair.glsl"
 #include "texture_use.glsl"
+#include "relief.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -40,7 +41,10 @@ PAGED(10, readonly, TextureUse, maps);
 PAGED(11, readonly, uvec4, levels);
 PAGED(12, readonly, TexelPair, texels);
 PAGED(13, , float, shadows); // as `arriving_of` reads it
+PAGED(14, readonly, vec4, instance_rows);
+PAGED(15, readonly, Relief, reliefs);
 #include "texture.glsl"
+#include "relief_leaving.glsl"
 
 // A ray in its own axes: `z` is where it points most, and the others are sheared along it.
 struct Sheared {
@@ -92,11 +96,16 @@ Crossing crossing(Sheared ray, uint first_corner) {
     return Crossing(t > 0.0 && t < ray.end, weights);
 }
 
-bool is_opaque(uint id, vec3 weights, uint material) {
+bool is_opaque(uint id, uint first_corner, vec3 weights, Start start) {
     FIND_PART(id, 0u, params.part_last, part)
-    // What relief keeps off of itself, marches tell; its triangles are not where it is seen.
-    if ((part.flags & PART_RELIEF) != 0u && part.material == material) {
-        return false;
+    // What heights keep off, marches tell; their triangles are not where they are seen.
+    if ((part.flags & PART_RELIEF) != 0u) {
+        mat3 corner = mat3(
+            LOAD(occluder_corners, first_corner), LOAD(occluder_corners, first_corner + 1u),
+            LOAD(occluder_corners, first_corner + 2u));
+        if (leaves_relief(start, part, corner, corner * weights)) {
+            return false;
+        }
     }
     if ((part.flags & (PART_MASKED | PART_BLENDED)) == 0u) {
         return true;
@@ -121,11 +130,11 @@ bool is_opaque(uint id, vec3 weights, uint material) {
     return alpha >= m.alpha_cutoff;
 }
 
-bool stops(Sheared ray, uint first, uint material) {
+bool stops(Sheared ray, uint first, Start start) {
     [[dont_unroll]] for (uint k = 0u; k < 256u; ++k) {
         uint occluder = LOAD(occluders, first + k);
         Crossing found = crossing(ray, (first + k) * 3u);
-        if (found.exists && is_opaque(occluder >> 1, found.weights, material)) {
+        if (found.exists && is_opaque(occluder >> 1, (first + k) * 3u, found.weights, start)) {
             return true;
         }
         if ((occluder & 1u) != 0u) {
@@ -146,7 +155,8 @@ bool meets(BvhNode node, vec3 origin, vec3 inverse, float end) {
 }
 
 // Nodes lie in the order of a walk: into a node is the next, past it is `skip`.
-bool is_stopped(vec3 origin, vec3 direction, float end, uint material) {
+bool is_stopped(vec3 origin, float end, Start start) {
+    vec3 direction = start.direction;
     Sheared ray = sheared(origin, direction, end);
     // Along a plane of a box, 0 times infinity would be no number.
     vec3 inverse = mix(vec3(1.0), vec3(-1.0), lessThan(direction, vec3(0.0))) / max(abs(direction), vec3(1e-20));
@@ -154,7 +164,7 @@ bool is_stopped(vec3 origin, vec3 direction, float end, uint material) {
     [[dont_unroll]] for (uint step = 0u; step < params.nodes && n < params.nodes; ++step) {
         BvhNode node = LOAD(nodes, n);
         bool met = meets(node, origin, inverse, end);
-        if (met && node.first != BVH_INNER && stops(ray, node.first, material)) {
+        if (met && node.first != BVH_INNER && stops(ray, node.first, start)) {
             return true;
         }
         n = met ? n + 1u : node.skip;
@@ -166,7 +176,8 @@ void element(uint i) {
     SurfacePoint point = LOAD(points, i / params.lights);
     vec4 aim = LOAD(aims, i);
     vec3 origin = point.position + point.facing * params.offset_world;
-    if (aim.w > 0.0 && !is_stopped(origin, aim.xyz, aim.w, point.material)) {
+    Start start = Start(point.position, aim.xyz, point.normal, point.instance, point.material);
+    if (aim.w > 0.0 && !is_stopped(origin, aim.w, start)) {
         float seen = LOAD(shadows, i);
         STORE(shadows, i, seen < 0.0 ? seen - float(1u << params.k) : 1.0);
     }

@@ -2,8 +2,10 @@
 //! what must hold whatever the scene.
 
 mod alpha;
+mod borders;
 mod bump;
 mod filters;
+mod levels;
 mod light;
 mod looks;
 mod mapping;
@@ -12,6 +14,7 @@ mod passes;
 pub(crate) mod projection;
 mod reflections;
 mod relief;
+mod relief_light;
 pub(crate) mod scenes;
 mod shadows;
 

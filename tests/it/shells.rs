@@ -134,7 +134,7 @@ impl Scene {
         let level = ReliefLevel { size: [TEXELS; 2], ..ReliefLevel::default() };
         let count = candidates.len() as u64;
         let device = device();
-        let courses = Stream::new(device, "courses", size_of::<DeviceCourse>() as u32, count).expect("fits");
+        let courses = stream("courses", &vec![DeviceCourse::default(); candidates.len()]).1;
         let nodes = Stream::new(device, "course_nodes", 16, count * COURSE_NODES as u64).expect("fits");
         let bend = [self.bend() as f32, 0.0, 0.0, self.bend() as f32, 0.0, self.bend() as f32];
         let bends = vec![bend; self.mesh.positions.len()];

@@ -116,7 +116,7 @@ fn level(map: &ReliefMap) -> (ReliefLevel, Vec<f32>) {
 }
 
 fn record(course: &Course) -> DeviceCourse {
-    DeviceCourse { nodes: course.nodes.len() as u32, material: 0, level: 0, cosine: course.cosine as f32 }
+    DeviceCourse { nodes: course.nodes.len() as u32, material: 0, level: 0, cosine: course.cosine as f32, ends: 0 }
 }
 
 fn padded(course: &Course) -> Vec<[f32; 4]> {

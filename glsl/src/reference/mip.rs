@@ -16,7 +16,7 @@ pub struct Level {
 }
 
 /// Weights of source texels 2i, 2i + 1 and 2i + 2 in target texel i.
-fn weights(i: usize, source: usize, target: usize) -> [f64; 3] {
+pub(super) fn weights(i: usize, source: usize, target: usize) -> [f64; 3] {
     if source == 1 {
         [1.0, 0.0, 0.0]
     } else if source.is_multiple_of(2) {

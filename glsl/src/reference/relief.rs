@@ -4,9 +4,14 @@
 //! All lengths across are texels of one level: texel (i, j) is at x = i, y = j, heights are bilinear between. A ray
 //! meets the surface where it goes from above it to on or below it; one that starts below is let out first.
 
+pub mod bordered;
+pub mod charts;
 pub mod cone;
 pub mod exact;
 pub mod flat;
+pub mod leaving;
+pub mod level;
+mod levels;
 pub mod light;
 pub mod occlusion;
 #[cfg(test)]
@@ -119,7 +124,7 @@ impl ReliefMap {
         if self.steps != 0 {
             return self.steps.min(MOST_STEPS);
         }
-        let least = course.travel() / self.thinnest_texels.max(0.5);
+        let least = course.travel() / self.thinnest_texels.max(1.0);
         least.ceil().clamp(f64::from(LEAST_STEPS), f64::from(MOST_STEPS)) as u32
     }
 }

@@ -76,6 +76,8 @@ impl RenderScene {
             instance_vertices: used().map(vertices).sum(),
             instance_triangles: used().map(triangles).sum(),
             texels: distinct(maps().flatten().map(|used| &used.map)).map(|map| map.texels.len() as u64).sum(),
+            outlined: self.outlined(),
+            silhouettes: self.relief.silhouettes,
             relief_texels: distinct(self.materials.iter().filter_map(|material| Some(&material.relief.as_ref()?.map)))
                 .map(|map| map.heights.len() as u64)
                 .sum(),
@@ -94,6 +96,26 @@ impl RenderScene {
             has_formulas: self.materials.iter().any(|material| !material.bump.formulas.is_empty()),
             aovs: self.aovs.clone(),
         }
+    }
+
+    /// Triangles of all meshes, and of all instances, that relief gives other outlines.
+    fn outlined(&self) -> [u64; 2] {
+        if self.relief.silhouettes == Silhouettes::None || !self.marcher().is_some_and(|marcher| marcher.finds_depth) {
+            return [0; 2];
+        }
+        let is_outlined = |material: u32| {
+            let material = &self.materials[material as usize];
+            material.relief.is_some() && material.alpha != RenderAlpha::Blend
+        };
+        let of_mesh = |mesh: &RenderMesh| {
+            let ends = mesh.material_of_triangles.iter().skip(1).map(|run| run.0);
+            let ends = ends.chain([mesh.triangles.len() as u32]);
+            let runs = mesh.material_of_triangles.iter().zip(ends).filter(|((_, material), _)| is_outlined(*material));
+            runs.map(|(run, end)| u64::from(end - run.0)).sum()
+        };
+        let meshes: Vec<u64> = self.meshes.iter().map(of_mesh).collect();
+        let instances = self.instances.iter().filter(|instance| instance.stands_for.is_none());
+        [meshes.iter().sum(), instances.filter_map(|instance| meshes.get(instance.mesh)).sum()]
     }
 
     /// Whether any material bends normals by more than its own normal map.

@@ -51,6 +51,13 @@ pub(super) fn check(inputs: &Inputs, request: &RenderRequest, context: &WorkCont
     Ok(())
 }
 
+/// Whether all that is drawn has any.
+pub(super) fn cover(inputs: &Inputs) -> bool {
+    let materials = inputs.scene.meshes.iter().flat_map(|m| m.mesh.primitives.iter().map(|p| p.material));
+    let mut of = materials.map(|material| inputs.reliefs.of(material).is_some());
+    of.all(|has_relief| has_relief)
+}
+
 /// How all of it is shown.
 pub(super) fn settings(request: &RenderRequest, reliefs: &Reliefs) -> ReliefSettings {
     if reliefs.is_empty() {

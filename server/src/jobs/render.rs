@@ -11,7 +11,9 @@ use crate::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
         encode,
-        image::{ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderMaterial, RenderScene},
+        image::{
+            ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderMaterial, RenderScene, Silhouettes,
+        },
         projection::Projection,
         report::{Estimate, PassTime, Report, Warning},
         request::{Aov, ImageFormat, RenderRequest, Shadows},
@@ -201,11 +203,15 @@ fn layers_left_out() -> Warning {
 pub(super) fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
     camera::check(&request.camera, &inputs.scene)?;
     let (instance_vertices, instance_triangles) = inputs.plans.instanced(&inputs.scene);
+    let silhouettes = reliefs::settings(request, &inputs.reliefs).silhouettes;
+    let is_outlined = silhouettes != Silhouettes::None && reliefs::cover(inputs);
     let contents = ImageContents {
         vertices: inputs.plans.vertices(),
         triangles: inputs.plans.triangles(),
         instance_vertices,
         instance_triangles,
+        outlined: if is_outlined { [inputs.plans.triangles(), instance_triangles] } else { [0; 2] },
+        silhouettes,
         relief_texels: inputs.reliefs.texels(),
         aovs: request.aovs.clone(),
         ..ImageContents::default()

@@ -2,6 +2,7 @@
 //! passes). The image is made in slabs, so that its size does not bound the memory of the samples.
 
 pub(crate) mod bump;
+pub(crate) mod charts;
 pub(crate) mod coverage;
 pub mod environment;
 mod layers;

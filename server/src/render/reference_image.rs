@@ -11,6 +11,7 @@ mod projected;
 mod relief;
 mod shading;
 mod shadow_map;
+mod textures;
 
 use displace_glsl::{
     layout::raster::{
@@ -328,7 +329,9 @@ impl<'a> Oracle<'a> {
     }
 
     fn radiance(&self, hit: &Hit) -> DVec3 {
-        self.light.radiance(&self.tables.lights, hit, |id, weights| self.is_opaque_at(id, weights, hit.material))
+        self.light.radiance(&self.tables.lights, hit, |id, weights, direction| {
+            self.is_opaque_at(id, weights, (hit, direction))
+        })
     }
 
     /// At the centroid of the samples of a pixel that the triangle covers.
@@ -355,10 +358,11 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Whether a triangle stops light there, of what is of a material. What relief keeps off of itself, marches tell.
-    fn is_opaque_at(&self, id: u32, weights: DVec3, of: u32) -> bool {
+    /// Whether a triangle stops light there that a place would get along a direction.
+    fn is_opaque_at(&self, id: u32, weights: DVec3, (hit, direction): (&Hit, DVec3)) -> bool {
         let part = self.part(id);
-        if part.flags & PART_RELIEF != 0 && part.material == of {
+        if part.flags & PART_RELIEF != 0 && self.shader.relief.is_left(&self.place(part, id), weights, (hit, direction))
+        {
             return false;
         }
         if part.flags & (PART_MASKED | PART_BLENDED) == 0 {

@@ -1,9 +1,12 @@
 //! What lights see: a camera for each side of each light, over the scene as it stops light. Both executors draw it by the
 //! rasteriser they have.
 
-use displace_glsl::layout::{
-    raster::{MAP_BASE_COLOR, MAP_SLOTS},
-    shadow::{SHADOW_FACES, ShadowFace},
+use displace_glsl::{
+    layout::{
+        raster::{MAP_BASE_COLOR, MAP_SLOTS},
+        shadow::{SHADOW_FACES, ShadowFace},
+    },
+    methods::Method,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use rayon::prelude::*;
@@ -12,8 +15,8 @@ use super::image::tables::pixel_from_world;
 use crate::domain::{
     Error, Result,
     image::{
-        ImagePlan, LightShape, Lighting, RenderAlpha, RenderBump, RenderCamera, RenderLight, RenderMaterial,
-        RenderScene, Shading,
+        ImagePlan, LightShape, Lighting, ReliefSettings, RenderAlpha, RenderBump, RenderCamera, RenderLight,
+        RenderMaterial, RenderScene, Shading,
         shadow_map::{SIDE_PX, WIDE_PX},
     },
     request::Shadows,
@@ -211,8 +214,11 @@ fn corners(scene: &RenderScene) -> Vec<DVec3> {
     scene.instances.iter().flat_map(of_instance).filter(|corner| corner.is_finite()).collect()
 }
 
-/// The scene as it stops light: from both sides, and where alpha is above the cut-off that rays have.
+/// The scene as it stops light: from both sides, where alpha is above the cut-off that rays have, and of heights that are
+/// shown per pixel by the method that takes no steps, which would come and go along what is seen.
 pub(crate) fn stopping(scene: &RenderScene) -> RenderScene {
+    let finds_depth = scene.marcher().is_some_and(|marcher| marcher.finds_depth);
+    let method = if finds_depth { Method::Exact } else { scene.relief.method };
     RenderScene {
         materials: scene.materials.iter().map(stopping_material).collect(),
         lighting: Lighting { lights: Vec::new(), environment: None, ..scene.lighting.clone() },
@@ -220,6 +226,7 @@ pub(crate) fn stopping(scene: &RenderScene) -> RenderScene {
         shadows: Shadows::None,
         reflectors: Vec::new(),
         aovs: Vec::new(),
+        relief: ReliefSettings { method, ..scene.relief },
         ..scene.clone()
     }
 }

@@ -22,7 +22,7 @@ use super::{
 const MAP_FROM_UV: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 /// Waves that tile, from -`height` to `height`.
-fn waves(side: u32, height: f32) -> HeightMap {
+pub(super) fn waves(side: u32, height: f32) -> HeightMap {
     let turn = |i: u32| (i as f32 + 0.5) / side as f32 * std::f32::consts::TAU;
     let at = |i: u32| height * (3.0 * turn(i % side)).sin() * (2.0 * turn(i / side)).cos();
     let heights = (0..side * side).map(at).collect();
@@ -30,7 +30,7 @@ fn waves(side: u32, height: f32) -> HeightMap {
 }
 
 /// As the jobs make it: heights, and the slopes of the same for normals.
-fn in_relief(map: HeightMap) -> RenderMaterial {
+pub(super) fn in_relief(map: HeightMap) -> RenderMaterial {
     let mut made = RenderMaterial { double_sided: false, ..material([0.8, 0.7, 0.6], None) };
     let slopes = slopes(&map);
     made.bump.uses[0].kind = BumpKind::Height;

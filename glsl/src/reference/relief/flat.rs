@@ -8,9 +8,9 @@ use glam::{DMat2, DMat3, DVec2, DVec3, DVec4};
 use super::{Course, pixel_ray::PixelRay};
 
 /// Beyond the least and the greatest height, of their distance.
-const MARGIN: f64 = 1.0 / 64.0;
+pub(super) const MARGIN: f64 = 1.0 / 64.0;
 /// At least, of the longest side.
-const LEAST_MARGIN: f64 = 1.0 / 4096.0;
+pub(super) const LEAST_MARGIN: f64 = 1.0 / 4096.0;
 
 /// A triangle, and the direction that heights are above it along.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,14 @@ impl Base {
         self.from_mesh * direction
     }
 
+    /// With the sides laid across the normal; none where nothing is left of them.
+    #[must_use]
+    pub fn across_normal(&self) -> Option<Self> {
+        let [b, c] = self.sides.map(|side| self.first + side.reject_from_normalized(self.normal));
+        let texels = [DVec2::ZERO, self.texel_edges.x_axis, self.texel_edges.y_axis];
+        Self::new([self.first, b, c], self.normal, texels.map(|edge| self.first_texel + edge))
+    }
+
     /// Weights of the corners at a place on the map.
     #[must_use]
     pub fn weights(&self, place: DVec2) -> DVec3 {
@@ -63,6 +71,12 @@ impl Base {
     #[must_use]
     pub fn place(&self, weights: DVec3) -> DVec2 {
         self.first_texel + self.texel_edges * DVec2::new(weights.y, weights.z)
+    }
+
+    /// Mesh-local, of weights of the corners.
+    #[must_use]
+    pub fn point(&self, weights: DVec3) -> DVec3 {
+        self.first + self.sides[0] * weights.y + self.sides[1] * weights.z
     }
 
     /// What lies beyond the least and the greatest height.
@@ -79,18 +93,26 @@ impl Base {
     }
 }
 
-/// Down through all heights; none of a ray that does not go down.
+/// Of t, from above all heights to below them; none of a ray that does not go down.
 #[must_use]
-pub fn course(base: &Base, ray: &PixelRay, heights: Range<f64>) -> Option<Course> {
+pub fn range(base: &Base, ray: &PixelRay, heights: &Range<f64>) -> Option<Range<f64>> {
     let (start, change) = (base.under(ray.origin), base.along(ray.direction));
     if change.z >= 0.0 {
         return None;
     }
-    let margin = base.margin(&heights);
+    let margin = base.margin(heights);
     let time = |height: f64| (height - start.z) / change.z;
     let (first, last) = (time(heights.end + margin).max(ray.least), time(heights.start - margin));
-    let nodes = [first, last].map(|t| base.node(start + change * t, t)).to_vec();
-    (first < last).then(|| Course { nodes, cosine: ray.direction.dot(base.normal).abs() })
+    (first < last).then_some(first..last)
+}
+
+/// Down through all heights, as if the map had no borders; none of a ray that does not go down.
+#[must_use]
+pub fn course(base: &Base, ray: &PixelRay, heights: Range<f64>) -> Option<Course> {
+    let range = range(base, ray, &heights)?;
+    let (start, change) = (base.under(ray.origin), base.along(ray.direction));
+    let nodes = [range.start, range.end].map(|t| base.node(start + change * t, t)).to_vec();
+    Some(Course { nodes, cosine: ray.direction.dot(base.normal).abs() })
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! Twin of `relieve`: what a ray struck, from where on the map and how far along its course it did.
+//! Twin of `relieve`: what a ray struck, from where on the map it did, and where it is.
 
 use glam::{DMat2, DVec2, DVec3, DVec4};
 
-use super::{Course, HeightLevel, March, flat::Base, parallax_iterative::slope, pixel_ray::PixelRay};
+use super::{HeightLevel, bordered::Met, flat::Base, parallax_iterative::slope};
 use crate::reference::bump::surface_gradient;
 
 /// What a ray struck.
@@ -14,6 +14,8 @@ pub struct Struck {
     pub changes: Option<[DVec3; 2]>,
     /// Mesh-local.
     pub point: DVec3,
+    /// From there up to the heights, which a step may have gone below, mesh-local.
+    pub lift: DVec3,
     /// Reversed.
     pub depth: f64,
     /// Mesh-local normal of the heights there, of any length.
@@ -22,26 +24,24 @@ pub struct Struck {
     pub smooth: DVec3,
 }
 
-/// By the first four rows of an instance; none where nothing is met.
+/// At `point`, mesh-local, on the triangle that lies there, by the first four rows of an instance.
 #[must_use]
 pub fn struck(
     base: &Base,
     level: &HeightLevel,
     rows: &[[f32; 4]],
-    (at_px, ray): (DVec2, &PixelRay),
-    (course, march): (&Course, &March),
-) -> Option<Struck> {
-    if !march.is_hit() {
-        return None;
-    }
-    let point = ray.origin + ray.direction * course.place(march.s).w;
-    let rises = base.texel_edges.transpose() * slope(level, march.place.floor().as_ivec2(), march.place);
-    let along = [0, 1].map(|i| base.sides[i] + base.normal * rises[i]);
+    at_px: DVec2,
+    (met, point): (&Met, DVec3),
+) -> Struck {
+    let rises = base.texel_edges.transpose() * slope(level, met.place.floor().as_ivec2(), met.place);
+    let seen = if met.is_level { DVec2::ZERO } else { rises };
+    let along = [0, 1].map(|i| base.sides[i] + base.normal * seen[i]);
     let changes = changes(along, rows, at_px, point);
     let [z, w] = [2, 3].map(|row| row_of(rows, row).dot(point.extend(1.0)));
     let normal = |rises: DVec2| base.normal - surface_gradient(base.sides, base.normal, rises);
-    let smooth = normal(base.texel_edges.transpose() * smooth_slope(level, march.place));
-    Some(Struck { at: base.weights(march.place), changes, point, depth: z / w, facing: normal(rises), smooth })
+    let smooth = normal(base.texel_edges.transpose() * smooth_slope(level, met.place));
+    let lift = base.normal * met.lift;
+    Struck { at: base.weights(met.place), changes, point, lift, depth: z / w, facing: normal(rises), smooth }
 }
 
 /// Change of height for each texel, by central differences over one.
@@ -97,7 +97,10 @@ mod tests {
         let ray = pixel_ray(&rows(), at_px, DVec3::ZERO);
         let course = course(&base, &ray, -0.25..0.25).expect("a course");
         let march = exact::marched(&map, &course, 12.0);
-        struck(&base, &map.level, &rows(), (at_px, &ray), (&course, &march)).expect("heights")
+        assert!(march.is_hit());
+        let t = course.place(march.s).w;
+        let met = Met { t, place: march.place, is_level: false, lift: 0.0 };
+        struck(&base, &map.level, &rows(), at_px, (&met, ray.origin + ray.direction * t))
     }
 
     /// Texel x of the ramp is at 1 + 32 b1, and 0 high where x is 32.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Silhouettes;
 use crate::domain::{
     Error, Result,
     request::{Aov, Rays},
@@ -34,6 +35,10 @@ pub struct ImageContents {
     pub instance_triangles: u64,
     /// Texels of the distinct maps of all kinds.
     pub texels: u64,
+    /// Triangles of all meshes, and of all instances, in whose place others are drawn, so that relief changes outlines as this
+    /// says.
+    pub outlined: [u64; 2],
+    pub silhouettes: Silhouettes,
     /// Of the distinct maps of heights that are shown per pixel.
     pub relief_texels: u64,
     pub has_colors: bool,
@@ -118,7 +123,10 @@ impl ImageContents {
     #[must_use]
     pub fn scene_bytes(&self) -> u64 {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
-        let per_triangle = 12 + if self.has_tangents { 48 } else { 0 };
+        let per_triangle = 12
+            + if self.has_tangents { 48 } else { 0 }
+            // What is beyond their sides, where rays keep to charts.
+            + if self.relief_texels > 0 && self.silhouettes == Silhouettes::None { 24 } else { 0 };
         // Corners, number, and two nodes.
         let per_occluder = if self.has_occluders { 36 + 4 + 2 * 32 } else { 0 };
         let occluders = self.instance_triangles * per_occluder;
@@ -128,14 +136,41 @@ impl ImageContents {
         // Levels of heights (4/3), of each its bounds (4/3), or its cones.
         let relief = self.relief_texels * 15;
         let maps = self.texels * 16 * 4 / 3 + relief + environment;
-        self.vertices * per_vertex + self.triangles * per_triangle + occluders + maps + self.shadow_map_texels * 16
+        let [vertices, triangles] = self.drawn(self.vertices, self.triangles, self.outlined[0]);
+        vertices * (per_vertex + self.outline_bytes())
+            + triangles * per_triangle
+            + occluders
+            + maps
+            + self.shadow_map_texels * 16
+    }
+
+    /// Vertices and triangles with what is drawn in the place of so many: a hull of six corners and eight faces, or the
+    /// triangle raised.
+    fn drawn(&self, vertices: u64, triangles: u64, outlined: u64) -> [u64; 2] {
+        let [corners, faces] = match self.silhouettes {
+            Silhouettes::None => [0, 0],
+            Silhouettes::Shell => [6, 8],
+            Silhouettes::Quadric => [3, 1],
+        };
+        [vertices + outlined * corners, triangles + outlined * faces]
+    }
+
+    /// Of each vertex: along which heights are, and how the mesh bends.
+    fn outline_bytes(&self) -> u64 {
+        match self.silhouettes {
+            _ if self.outlined[0] == 0 => 0,
+            Silhouettes::None => 0,
+            Silhouettes::Shell => 12,
+            Silhouettes::Quadric => 12 + 24,
+        }
     }
 
     /// Screen vertices, lists, records and pairs of large triangles, and what each sample and pixel takes.
     fn work_bytes(&self, slab_pixels: u64) -> u64 {
-        let screen = 16 * self.instance_vertices;
-        let listed = self.instance_triangles.min(1 << 20);
-        let records = self.instance_triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
+        let [vertices, triangles] = self.drawn(self.instance_vertices, self.instance_triangles, self.outlined[1]);
+        let screen = 16 * vertices;
+        let listed = triangles.min(1 << 20);
+        let records = triangles.min(1 << 15) * 7 * (48 + 8) + (8 << 18);
         // Visibility, fragment, point, appearance, radiance, and a value of each kind of map.
         let per_sample = 8
             + 16
@@ -150,8 +185,8 @@ impl ImageContents {
             + if self.is_projected { 112 + 24 + 28 + 16 } else { 0 }
             + if self.environment.is_some() || self.reflection_texels > 0 { 36 } else { 0 }
             + if self.has_moments { 24 } else { 0 }
-            // A course, its nodes and its march.
-            + if self.relief_texels > 0 { 16 + 9 * 16 + 24 } else { 0 };
+            // A course, its nodes, its march and where it lands.
+            + if self.relief_texels > 0 { 20 + 9 * 16 + 24 + 36 } else { 0 };
         // Keys of two layers and of what is shown, transmittance; and what a pixel sees of them.
         let layers = if self.has_layers { 4 * (3 * 8 + 4) + 12 } else { 0 };
         // Of relief, what marches took.

@@ -74,5 +74,5 @@ pub(crate) fn show(run: &mut Run<'_>, frame: &Frame<'_>, slab: Slab) -> Result<(
         return Ok(());
     }
     let count = shading::list_fragments(run, frame, slab, &frame.work.layers.shown)?;
-    run.record(|recorder| shading::record_appearance(recorder, frame, slab, count))
+    run.record(|recorder| shading::record_appearance(recorder, frame, slab, count, true))
 }

@@ -157,6 +157,26 @@ mod tests {
     }
 
     #[test]
+    fn plans_count_what_stands_for_parts() {
+        for (silhouettes, per_vertex) in [(Silhouettes::Shell, 12), (Silhouettes::Quadric, 12 + 24)] {
+            let (base, scene) = (scene(Silhouettes::None), scene(silhouettes));
+            let more = with_proxies(&scene);
+            let sum =
+                |of: fn(&RenderMesh) -> usize, scene: &RenderScene| scene.meshes.iter().map(of).sum::<usize>() as u64;
+            let [vertices, triangles] =
+                [|mesh: &RenderMesh| mesh.positions.len(), |mesh: &RenderMesh| mesh.triangles.len()]
+                    .map(|of| (sum(of, &base), sum(of, &more)));
+            let bytes = |scene: &RenderScene| ImagePlan::new(16, 16, &scene.contents()).expect("a plan").device_bytes;
+            let of_scene = (vertices.1 - vertices.0) * (12 + 12 + 8) + (triangles.1 - triangles.0) * 12;
+            // Of two instances: screen vertices, lists, and records of large triangles.
+            let of_work = 2 * ((vertices.1 - vertices.0) * 16 + (triangles.1 - triangles.0) * (20 + 7 * (48 + 8)));
+            // Where outlines move, rays keep to no charts.
+            let of_charts = triangles.0 * 24;
+            assert_eq!(bytes(&scene) + of_charts - bytes(&base), of_scene + vertices.1 * per_vertex + of_work);
+        }
+    }
+
+    #[test]
     fn a_scene_without_silhouettes_is_drawn_as_it_is() {
         let scene = scene(Silhouettes::None);
         assert!(matches!(with_proxies(&scene), Cow::Borrowed(_)));

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use displace_glsl::{
-    ComputeShader, SHADERS,
+    SHADERS,
     layout::relief::{
-        COURSE_NODES, ConeMapParams, Course, CourseLightParams, CourseParams, March, MarchParams, Relief, ReliefLevel,
-        RelieveParams, SelfShadowParams, TallyParams,
+        COURSE_NODES, ConeMapParams, Course, CourseFlatParams, CourseLightParams, CourseParams, Landing, March,
+        MarchParams, Relief, ReliefLevel, RelieveParams, SelfShadowParams, TallyParams,
     },
     methods::{Marcher, Needs},
     reference::relief::{HeightLevel, exact},
@@ -22,6 +22,9 @@ use crate::{
 };
 
 use super::{Frame, Slab};
+
+/// Of one stream.
+const MOST_WORDS: usize = 1 << 29;
 
 /// Of all materials, in their order; empty where none has relief.
 #[derive(Debug, Default)]
@@ -53,35 +56,52 @@ impl ReliefTables {
         Ok(tables)
     }
 
+    /// All levels of a map, the finest first.
     fn add(&mut self, map: &HeightMap, needs: Needs) -> Result<Relief> {
         let size = [map.width, map.height];
         if map.heights.len() as u64 != u64::from(size[0]) * u64::from(size[1]) || map.heights.is_empty() {
             return Err(Error::internal("a height map has not as many heights as texels"));
         }
         let [low, high] = map.range();
-        let mut level = ReliefLevel { size, height_first: self.texels.len() as u32, ..ReliefLevel::default() };
-        self.texels.extend_from_slice(&map.heights);
+        let level_first = self.levels.len() as u32;
+        let finest = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
+        for level in finest.chain() {
+            self.add_level(&level, needs);
+        }
+        if self.texels.len() > MOST_WORDS {
+            let message = format!("the height maps have more than {MOST_WORDS} values: scale them down");
+            return Err(Error::too_large("details", message));
+        }
+        let level_count = self.levels.len() as u32 - level_first;
+        let thinnest_texels = map.thinnest_texels;
+        Ok(Relief {
+            wrap: wrap(map.repeats),
+            level_first,
+            level_count,
+            low,
+            high,
+            thinnest_texels,
+            ..Relief::default()
+        })
+    }
+
+    fn add_level(&mut self, of: &HeightLevel, needs: Needs) {
+        let mut level = ReliefLevel { size: of.size, height_first: self.texels.len() as u32, ..ReliefLevel::default() };
+        self.texels.extend_from_slice(&of.heights);
         match needs {
             Needs::Heights => {}
             Needs::Bounds => {
                 level.bound_first = self.texels.len() as u32;
-                let of = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
-                self.texels.extend(exact::bounds(&of));
+                self.texels.extend(exact::bounds(of));
             }
             Needs::Cones => {
                 level.cone_first = self.texels.len() as u32;
-                self.texels.resize(self.texels.len() + map.heights.len(), 0.0);
-                let count = map.heights.len() as u32;
-                self.cones.push(ConeMapParams { count, wrap: wrap(map), high, level });
+                self.texels.resize(self.texels.len() + of.heights.len(), 0.0);
+                let (count, high) = (of.heights.len() as u32, of.heights.iter().copied().fold(f32::MIN, f32::max));
+                self.cones.push(ConeMapParams { count, wrap: wrap(of.repeats), high, level });
             }
         }
-        if u32::try_from(self.texels.len()).is_err() {
-            return Err(Error::too_large("details", "the height maps have more than 2^32 values: scale them down"));
-        }
         self.levels.push(level);
-        let level_first = self.levels.len() as u32 - 1;
-        let thinnest_texels = map.thinnest_texels;
-        Ok(Relief { wrap: wrap(map), level_first, level_count: 1, low, high, thinnest_texels, ..Relief::default() })
     }
 }
 
@@ -91,14 +111,14 @@ fn of_material(map: Relief, relief: &RenderRelief) -> Relief {
 }
 
 /// As `tiled.glsl` has it.
-fn wrap(map: &HeightMap) -> u32 {
-    let [u, v] = map.repeats.map(|repeats| u32::from(!repeats) * 2);
+fn wrap(repeats: [bool; 2]) -> u32 {
+    let [u, v] = repeats.map(|repeats| u32::from(!repeats) * 2);
     u | v << 2
 }
 
 /// The maps, for all of a render.
 pub(crate) struct ReliefStreams {
-    reliefs: Stream,
+    pub(crate) reliefs: Stream,
     levels: Stream,
     texels: Stream,
 }
@@ -126,6 +146,7 @@ pub(crate) struct MarchStreams {
     courses: Stream,
     nodes: Stream,
     marches: Stream,
+    landings: Stream,
     /// Of pixels: fetches, steps, marches that their bound ended, marches.
     costs: Stream,
 }
@@ -137,6 +158,7 @@ impl MarchStreams {
             courses: Stream::new(device, "courses", size_of::<Course>() as u32, len)?,
             nodes: Stream::new(device, "course nodes", 16, len * COURSE_NODES as u64)?,
             marches: Stream::new(device, "marches", size_of::<March>() as u32, len)?,
+            landings: Stream::new(device, "landings", size_of::<Landing>() as u32, len)?,
             costs: Stream::new(device, "costs", 16, pixels)?,
         })
     }
@@ -147,8 +169,19 @@ impl MarchStreams {
 pub(crate) enum Stage {
     /// Samples whose depth decides what is seen; told again for the second half of keys.
     Tests { again: bool },
-    /// What is seen.
-    Shows,
+    /// What is seen; again for further outputs.
+    Shows { again: bool },
+}
+
+impl Stage {
+    /// Whether the same was marched before.
+    fn is_again(self) -> bool {
+        matches!(self, Self::Tests { again: true } | Self::Shows { again: true })
+    }
+
+    fn tests(self) -> bool {
+        matches!(self, Self::Tests { .. })
+    }
 }
 
 /// Moves the first `count` points to what is struck under them; nothing where no material has relief.
@@ -160,9 +193,12 @@ pub(crate) fn record(
     stage: Stage,
 ) -> Result<()> {
     let Some(marcher) = frame.scene.marcher().filter(|_| count > 0) else { return Ok(()) };
+    record_levels(recorder, frame, count)?;
     record_courses(recorder, frame, count)?;
     record_marches(recorder, frame, marcher, count)?;
-    if stage != (Stage::Tests { again: true }) {
+    // What finds no depth tests none.
+    let is_asked = marcher.finds_depth || !stage.tests();
+    if is_asked && !stage.is_again() {
         record_costs(recorder, frame, slab, count)?;
     }
     record_struck(recorder, frame, marcher, count, stage)
@@ -226,7 +262,7 @@ pub(crate) fn record_normals(recorder: &mut Recorder<'_>, frame: &Frame<'_>, cou
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
         ("courses", &work.march.courses),
-        ("marches", &work.march.marches),
+        ("landings", &work.march.landings),
         ("bumps", &streams.bump.bumps),
         ("appearances", &work.appearances),
         ("positions", &streams.positions),
@@ -263,7 +299,12 @@ pub(crate) fn record_self_shadow(recorder: &mut Recorder<'_>, frame: &Frame<'_>,
 
 fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u32, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseLightParams { count: count as u32, uv_channels: scene.uv_channels, light };
+    let params = CourseLightParams {
+        count: count as u32,
+        uv_channels: scene.uv_channels,
+        light,
+        has_outlines: has_outlines(scene),
+    };
     let bound = [
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -276,24 +317,36 @@ fn record_ways_to_light(recorder: &mut Recorder<'_>, frame: &Frame<'_>, light: u
         ("lights", &streams.lights),
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
     Ok(recorder.dispatch(&SHADERS.course_light, count, &params, &bound)?)
 }
 
-/// The shader that makes courses.
-fn course_shader(silhouettes: Silhouettes) -> &'static ComputeShader {
-    match silhouettes {
-        Silhouettes::None => &SHADERS.course_flat,
-        Silhouettes::Shell => &SHADERS.course_shell,
-        Silhouettes::Quadric => &SHADERS.course_quadric,
-    }
+/// Else rays keep to charts.
+fn has_outlines(scene: &RenderScene) -> u32 {
+    u32::from(scene.relief.silhouettes != Silhouettes::None)
+}
+
+fn record_levels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let Frame { scene, streams, work, .. } = frame;
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    let bound = [
+        ("fragments", &work.fragments),
+        ("points", &work.points),
+        ("instance_rows", &streams.instance_rows),
+        ("positions", &streams.positions),
+        ("uvs", &streams.uvs),
+        ("reliefs", &streams.relief.reliefs),
+        ("relief_levels", &streams.relief.levels),
+        ("courses", &work.march.courses),
+    ];
+    Ok(recorder.dispatch(&SHADERS.course_level, count, &params, &bound)?)
 }
 
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
-    let silhouettes = scene.relief.silhouettes;
-    let mut bound = vec![
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -304,16 +357,31 @@ fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) ->
         ("courses", &work.march.courses),
         ("course_nodes", &work.march.nodes),
     ];
-    match silhouettes {
-        Silhouettes::None => bound.push(("normals", &streams.normals)),
-        Silhouettes::Shell => bound.push(("directions", &streams.silhouettes.directions)),
-        Silhouettes::Quadric => bound.extend([
-            ("directions", &streams.silhouettes.directions),
-            ("bends", &streams.silhouettes.bends),
-            ("raises", &streams.silhouettes.raises),
-        ]),
-    }
-    Ok(recorder.dispatch(course_shader(silhouettes), count, &params, &bound)?)
+    let own = &streams.silhouettes;
+    let directions = ("directions", &own.directions);
+    let (shader, more) = match scene.relief.silhouettes {
+        Silhouettes::None => return record_flat_courses(recorder, frame, count, &shared),
+        Silhouettes::Shell => (&SHADERS.course_shell, vec![directions]),
+        Silhouettes::Quadric => {
+            (&SHADERS.course_quadric, vec![directions, ("bends", &own.bends), ("raises", &own.raises)])
+        }
+    };
+    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
+    Ok(recorder.dispatch(shader, count, &params, &[&shared[..], &more].concat())?)
+}
+
+fn record_flat_courses(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    count: u64,
+    shared: &[(&'static str, &Stream)],
+) -> Result<()> {
+    let Frame { scene, streams, .. } = frame;
+    let finds_depth = u32::from(scene.marcher().is_some_and(|marcher| marcher.finds_depth));
+    let params = CourseFlatParams { count: count as u32, uv_channels: scene.uv_channels, finds_depth };
+    let more =
+        [("normals", &streams.normals), ("triangles", &streams.triangles), ("chart_sides", &streams.chart_sides)];
+    Ok(recorder.dispatch(&SHADERS.course_flat, count, &params, &[shared, &more].concat())?)
 }
 
 fn record_marches(recorder: &mut Recorder<'_>, frame: &Frame<'_>, marcher: &Marcher, count: u64) -> Result<()> {
@@ -342,22 +410,30 @@ fn record_struck(
         count: count as u32,
         uv_channels: scene.uv_channels,
         finds_depth: u32::from(marcher.finds_depth),
-        has_outlines: u32::from(scene.relief.silhouettes != Silhouettes::None),
-        tests: u32::from(stage != Stage::Shows),
+        has_outlines: has_outlines(scene),
+        tests: u32::from(stage.tests()),
+        // What lights see has no steps.
+        lifts: u32::from(scene.shadows == Shadows::Map),
     };
-    let bound = [
+    let shared = [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
         ("positions", &streams.positions),
-        ("normals", &streams.normals),
         ("uvs", &streams.uvs),
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
         ("texels", &streams.relief.texels),
         ("courses", &work.march.courses),
+        ("landings", &work.march.landings),
+    ];
+    let landing = [
         ("course_nodes", &work.march.nodes),
         ("marches", &work.march.marches),
+        ("triangles", &streams.triangles),
+        ("chart_sides", &streams.chart_sides),
     ];
+    recorder.dispatch(&SHADERS.land, count, &params, &[&shared[..], &landing].concat())?;
+    let bound = [&shared[..], &[("normals", &streams.normals)]].concat();
     Ok(recorder.dispatch(&SHADERS.relieve, count, &params, &bound)?)
 }

@@ -80,7 +80,7 @@ pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, sl
     if count == 0 {
         return Ok(());
     }
-    record_appearance(recorder, frame, slab, count)?;
+    record_appearance(recorder, frame, slab, count, false)?;
     record_moments(recorder, frame, count)?;
     record_shadows(recorder, frame, count)?;
     shadow_map::record(recorder, frame, count)?;
@@ -88,13 +88,19 @@ pub(crate) fn record_radiance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, sl
     light::record(recorder, frame, count)
 }
 
-/// What the first `count` fragments look like.
-pub(crate) fn record_appearance(recorder: &mut Recorder<'_>, frame: &Frame<'_>, slab: Slab, count: u64) -> Result<()> {
+/// What the first `count` fragments look like; `again`: all of them were shaded before.
+pub(crate) fn record_appearance(
+    recorder: &mut Recorder<'_>,
+    frame: &Frame<'_>,
+    slab: Slab,
+    count: u64,
+    again: bool,
+) -> Result<()> {
     if count == 0 {
         return Ok(());
     }
     record_surface(recorder, frame, count)?;
-    relief::record(recorder, frame, slab, count, Stage::Shows)?;
+    relief::record(recorder, frame, slab, count, Stage::Shows { again })?;
     (0..MAP_SLOTS).try_for_each(|slot| record_map(recorder, frame, slot, count))?;
     record_look(recorder, frame, count)?;
     bump::record(recorder, frame, count)?;
@@ -264,6 +270,8 @@ fn record_rays(
         ("levels", &streams.levels),
         ("texels", &streams.texels),
         ("shadows", &work.shadows),
+        ("instance_rows", &streams.instance_rows),
+        ("reliefs", &streams.relief.reliefs),
     ];
     Ok(recorder.dispatch(&SHADERS.shadow_rays, rays, &params, &bound)?)
 }

@@ -26,6 +26,7 @@ use crate::{
 
 use super::{
     bump::BumpStreams,
+    charts,
     environment::{self, EnvironmentStreams},
     projected::ProjectedStreams,
     relief::{MarchStreams, ReliefStreams},
@@ -62,6 +63,8 @@ pub(crate) struct SceneStreams {
     pub(crate) texture_uses: Stream,
     pub(crate) bump: BumpStreams,
     pub(crate) relief: ReliefStreams,
+    /// Of triangles; empty where rays do not keep to charts.
+    pub(crate) chart_sides: Stream,
     pub(crate) lights: Stream,
     pub(crate) levels: Stream,
     pub(crate) texels: Stream,
@@ -134,6 +137,7 @@ impl SceneStreams {
             texture_uses: Stream::from_slice(device, "texture uses", &tables.texture_uses)?,
             bump: BumpStreams::upload(device, &tables.bump)?,
             relief: ReliefStreams::upload(device, &tables.relief)?,
+            chart_sides: Stream::from_slice(device, "chart sides", &charts::concatenated(scene))?,
             lights: Stream::from_slice(device, "lights", &tables.lights)?,
             levels: Stream::from_slice(device, "levels", &textures.levels)?,
             texels: textures.upload(device)?,

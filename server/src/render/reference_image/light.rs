@@ -1,7 +1,7 @@
 //! Light of a place by the model that the scene asks for: the twins put together.
 
 use displace_glsl::{
-    layout::raster::{Light, MATERIAL_UNLIT},
+    layout::raster::{LIGHT_SUN, Light, MATERIAL_UNLIT},
     reference::{
         backdrop::{Directions, backdrop},
         brdf::visible_normal,
@@ -19,7 +19,7 @@ use glam::{DVec3, DVec4};
 
 use super::{
     place::{blend, vec3},
-    relief::left,
+    relief,
     shading::Hit,
     shadow_map,
 };
@@ -88,8 +88,8 @@ impl LightModel {
         self.environment.as_ref().map_or(self.background, |environment| backdrop(environment, &self.directions, x, y))
     }
 
-    /// `is_opaque` gets a triangle's number over all instances, and weights of its corners.
-    pub(super) fn radiance(&self, lights: &[Light], hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> DVec3 {
+    /// `is_opaque` gets a triangle's number over all instances, weights of its corners, and along which direction a ray meets it.
+    pub(super) fn radiance(&self, lights: &[Light], hit: &Hit, is_opaque: impl Fn(u32, DVec3, DVec3) -> bool) -> DVec3 {
         if hit.look.flags & MATERIAL_UNLIT != 0 {
             return hit.look.base.truncate();
         }
@@ -166,13 +166,21 @@ impl LightModel {
     }
 
     /// Of light number `l`, as `arriving_of` reads it.
-    fn share(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
+    fn share(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3, DVec3) -> bool) -> f64 {
         let arrives = self.share_of_others(l, light, hit, is_opaque);
-        hit.shade.as_ref().map_or(arrives, |own| left(arrives, own.share(incoming(light, hit.position).direction)))
+        let far = if light.kind == LIGHT_SUN { f64::INFINITY } else { hit.position.distance(vec3(light.position)) };
+        let share = |own: &relief::Shade| own.share(incoming(light, hit.position).direction, far);
+        hit.shade.as_ref().map_or(arrives, |own| relief::left(arrives, share(own)))
     }
 
     /// What hides light besides the heights that the place is on.
-    fn share_of_others(&self, l: usize, light: &Light, hit: &Hit, is_opaque: impl Fn(u32, DVec3) -> bool) -> f64 {
+    fn share_of_others(
+        &self,
+        l: usize,
+        light: &Light,
+        hit: &Hit,
+        is_opaque: impl Fn(u32, DVec3, DVec3) -> bool,
+    ) -> f64 {
         let any_normal = matches!(self.shading, Shading::Flat | Shading::Gouraud) || hit.spread.is_some();
         let normal = hit.look.normal;
         let is_behind = |direction: DVec3| !any_normal && normal.dot(direction) <= 0.0 && normal != DVec3::ZERO;
@@ -199,11 +207,11 @@ fn is_stopped(
     light: &Light,
     direction: DVec3,
     hit: &Hit,
-    is_opaque: impl Fn(u32, DVec3) -> bool,
+    is_opaque: impl Fn(u32, DVec3, DVec3) -> bool,
 ) -> bool {
     let origin = hit.position + hit.facing * f64::from(shade.offset_world);
     let end = distance(light, hit.position, direction);
-    shade.occluders.stop(&Ray { origin, direction, end }, is_opaque)
+    shade.occluders.stop(&Ray { origin, direction, end }, |id, weights| is_opaque(id, weights, direction))
 }
 
 fn environment(map: &domain::environment::Environment) -> Environment {

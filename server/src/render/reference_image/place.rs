@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3, DVec4};
 use crate::domain::image::RenderMesh;
 
 /// A triangle of an instance.
+#[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) part: &'a Part,
     pub(super) mesh: &'a RenderMesh,

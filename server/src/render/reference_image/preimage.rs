@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::{
     place::Place,
     projected,
-    shading::{on_map, still},
+    textures::{on_map, still},
 };
 use crate::{
     domain::{

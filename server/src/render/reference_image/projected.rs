@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 use super::{
     place::{Place, blend, vec3},
-    shading::on_map,
+    textures::on_map,
 };
 use crate::{
     domain::image::{RenderMap, RenderMesh},

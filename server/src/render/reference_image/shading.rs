@@ -22,14 +22,15 @@ use super::{
     bump::{Unbent, bent},
     place::Place,
     projected,
-    relief::{Found, Relief, Shade},
+    relief::{Found, Relief, Shade, Spot},
+    textures::{filtered, map_levels, on_map, sides, still, twin},
 };
 use crate::{
     domain::{
         Result,
-        image::{BumpKind, ColorMap, Filter, RenderMap, RenderMaterial, RenderScene},
+        image::{BumpKind, RenderMaterial, RenderScene},
     },
-    render::image::{bump::BumpTables, coverage, tables::wrap_numbers},
+    render::image::{bump::BumpTables, tables::wrap_numbers},
 };
 
 pub(super) struct Hit {
@@ -45,6 +46,7 @@ pub(super) struct Hit {
     pub(super) corners: [(DVec3, DVec3); 3],
     pub(super) weights: DVec3,
     pub(super) material: u32,
+    pub(super) instance: u32,
     /// Where on the image.
     pub(super) pixel: [u32; 2],
     /// Of interpolated normal and position, by pixels.
@@ -57,6 +59,8 @@ pub(super) struct Hit {
 
 /// What lies under a place of the image.
 struct Under {
+    /// Of the mesh: relief may be struck beside what is seen.
+    triangle: usize,
     b: Barycentrics,
     position: DVec3,
     /// Interpolated, towards the viewer's side.
@@ -100,7 +104,8 @@ impl Shader {
         bumps: &BumpTables,
         at_px: [f64; 2],
     ) -> Hit {
-        let Under { b, position, normal, facing, struck, flip, shade, march } = self.under(place, at_px);
+        let Under { triangle, b, position, normal, facing, struck, flip, shade, march } = self.under(place, at_px);
+        let place = &Place { triangle, ..*place };
         let mapped = self.mapped(place, source, &b);
         let tilt = self.projection.map(|_| projected::in_world(place, mapped[MAP_NORMAL].truncate()));
         let under = appearance::Under { color: place.color(b.at), normal, flip, tangent: place.tangent(b.at), tilt };
@@ -125,6 +130,7 @@ impl Shader {
             corners: [DVec3::X, DVec3::Y, DVec3::Z].map(corner),
             weights: b.at,
             material: place.part.material,
+            instance: place.part.instance,
             pixel: at_px.map(|x| x as u32),
             shade,
             march,
@@ -134,19 +140,28 @@ impl Shader {
     /// Of relief what was struck; what is beneath it where nothing was.
     fn under(&self, place: &Place<'_>, at_px: [f64; 2]) -> Under {
         let (b, flip) = seen(place, at_px);
-        let found = self.relief.found(place, (&b, flip), at_px);
+        let found = self.relief.found(place, (&b, flip), at_px, true);
         let march = found.march();
         let (position, normal) = (place.position(b.at), flip * place.normal(b.at));
-        let base = Under { b, position, normal, facing: flip * place.front(), struck: None, flip, shade: None, march };
+        let triangle = place.triangle;
+        let facing = flip * place.front();
+        let base = Under { triangle, b, position, normal, facing, struck: None, flip, shade: None, march };
         let struck = match found {
             Found::Base | Found::Missed(_) => base,
-            Found::Shifted(at, _) => Under { b: Barycentrics { at, ..b }, ..base },
-            Found::Struck(on) => {
-                let b = on.weights(&b);
-                Under { b, position: on.position, facing: on.facing, struck: Some(on.smooth), ..base }
-            }
+            Found::Shifted(Spot { triangle, b }, _) => Under { triangle, b, ..base },
+            Found::Struck(on) => Under {
+                triangle: on.triangle,
+                b: on.weights(&b),
+                position: on.position,
+                normal: on.normal,
+                facing: on.facing,
+                struck: Some(on.smooth),
+                ..base
+            },
         };
-        let shade = if flip > 0.0 { self.relief.shade(place, struck.b.at) } else { None };
+        let there = Place { triangle: struck.triangle, ..*place };
+        let level = self.relief.level(place, b.at, at_px);
+        let shade = if flip > 0.0 { self.relief.shade(&there, struck.b.at, level) } else { None };
         Under { shade, ..struck }
     }
 
@@ -157,7 +172,7 @@ impl Shader {
             return (Some(base), None);
         }
         let (b, flip) = seen(place, at_px);
-        let found = self.relief.found(place, (&b, flip), at_px);
+        let found = self.relief.found(place, (&b, flip), at_px, false);
         let depth = match &found {
             Found::Base | Found::Shifted(..) => Some(base),
             Found::Missed(_) => None,
@@ -238,65 +253,4 @@ fn struck_normal(
     let [dx, dy] = sides(place, map, b);
     let share = (2.0 - dx.perp_dot(dy).abs().sqrt()).clamp(0.0, 1.0);
     filtered.lerp(struck, share).try_normalize().unwrap_or(filtered)
-}
-
-/// Where a pixel's corners lie apart on a map, texels.
-fn sides(place: &Place<'_>, map: &RenderMap, b: &Barycentrics) -> [DVec2; 2] {
-    let size = DVec2::new(map.map.width.into(), map.map.height.into());
-    [b.dx, b.dy].map(|weights| DVec2::from_array(on_map(map, place.uv(map.uv_channel, weights), 0.0)) * size)
-}
-
-fn filtered(filter: texture::Filter, place: &Place<'_>, map: &RenderMap, levels: &[Level], b: &Barycentrics) -> DVec4 {
-    let uv = |weights: DVec3, one: f64| on_map(map, place.uv(map.uv_channel, weights), one);
-    let (at, dx, dy) = (uv(b.at, 1.0), uv(b.dx, 0.0), uv(b.dy, 0.0));
-    DVec4::from_array(texture::filtered(filter, levels, at, dx, dy, wrap_numbers(map.wrap)))
-}
-
-/// A place without change.
-pub(super) fn still(at: DVec3) -> Barycentrics {
-    Barycentrics { at, dx: DVec3::ZERO, dy: DVec3::ZERO, clockwise: true }
-}
-
-fn twin(filter: Filter) -> texture::Filter {
-    match filter {
-        Filter::Nearest => texture::Filter::Nearest,
-        Filter::Bilinear => texture::Filter::Bilinear,
-        Filter::Trilinear => texture::Filter::Trilinear,
-        Filter::Anisotropic => texture::Filter::Anisotropic,
-        Filter::Ewa => texture::Filter::Ewa,
-    }
-}
-
-/// Where a UV lies on the map; `one` is 0 for differences.
-pub(super) fn on_map(map: &RenderMap, uv: DVec2, one: f64) -> [f64; 2] {
-    map.map_from_uv.map(|row| row.map(f64::from)).map(|r| r[0] * uv.x + r[1] * uv.y + r[2] * one)
-}
-
-/// Mip levels per material; materials that share a map share its levels, unless they cut it off.
-fn map_levels(scene: &RenderScene) -> Vec<[Option<Arc<Vec<Level>>>; MAP_SLOTS]> {
-    let mut known: Vec<(Arc<ColorMap>, Arc<Vec<Level>>)> = Vec::new();
-    let mut levels = |map: &Arc<ColorMap>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, map)) {
-        Some((_, levels)) => levels.clone(),
-        None => {
-            let levels = Arc::new(finest_level(map).chain());
-            known.push((map.clone(), levels.clone()));
-            levels
-        }
-    };
-    let of_material = |material: &RenderMaterial| {
-        let mut all: [Option<Arc<Vec<Level>>>; MAP_SLOTS] =
-            std::array::from_fn(|slot| material.maps[slot].as_ref().map(|used| levels(&used.map)));
-        if let (Some(scales), Some(levels)) = (coverage::alpha_scales(material), &mut all[MAP_BASE_COLOR]) {
-            let scaled =
-                levels.iter().zip(scales).map(|(level, scale)| Level { alpha_scale: scale.into(), ..level.clone() });
-            *levels = Arc::new(scaled.collect());
-        }
-        all
-    };
-    scene.materials.iter().map(of_material).collect()
-}
-
-fn finest_level(map: &ColorMap) -> Level {
-    let texels = map.texels.iter().map(|texel| texel.map(f64::from)).collect();
-    Level { width: map.width as usize, height: map.height as usize, texels, alpha_scale: 1.0 }
 }

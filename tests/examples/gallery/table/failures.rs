@@ -48,13 +48,13 @@ pub(super) fn section() -> Section {
                 render("failures/grazing-exact", format!("{BRICKS} {AT_85} {LIGHT} --method exact"), "`exact`.").against("failures/grazing-truth"),
                 render("failures/grazing-truth", format!("{BRICKS} {AT_85} {LIGHT} --uniform 5"), "Displaced."),
             ]),
-            row("Borders of charts", "A ray that leaves the chart must not go on in what lies beside it on the map: a map that repeats would show bricks that are not there.", [
-                render("failures/border-exact", format!("{SHEET} {LIGHT} --method exact"), "`exact`: the sheet's edge stays straight; what would stick out is not shown.").against("failures/border-truth"),
-                render("failures/border-parallax", format!("{SHEET} {LIGHT} --method parallax"), "`parallax`: near the edge it reads beyond it.").against("failures/border-truth"),
+            row("Borders of charts", "A ray that leaves the chart must not go on in what lies beside it on the map: bricks would show that are not there.", [
+                render("failures/border-exact", format!("{SHEET} {LIGHT} --method exact"), "`exact`: rays end where the sheet does. What lies before the base's near edge is not shown.").against("failures/border-truth"),
+                render("failures/border-parallax", format!("{SHEET} {LIGHT} --method parallax"), "`parallax`: near the edge places stay on it.").against("failures/border-truth"),
                 render("failures/border-truth", format!("{SHEET} {LIGHT} --uniform 6"), "Displaced: the edge has joints."),
             ]),
             row("Mirrored charts", "The right half of the sheet has mirrored texture coordinates.", [
-                render("failures/mirrored-exact", format!("{MIRRORED} {LIGHT} --method exact"), "`exact`: bricks stand up and are lit from the left on both halves.").against("failures/mirrored-truth"),
+                render("failures/mirrored-exact", format!("{MIRRORED} {LIGHT} --method exact"), "`exact`: bricks stand up and are lit from the left on both halves; rays go on over the middle, mirrored.").against("failures/mirrored-truth"),
                 render("failures/mirrored-parallax", format!("{MIRRORED} {LIGHT} --method parallax"), "`parallax`: the shift goes the right way on both.").against("failures/mirrored-truth"),
                 render("failures/mirrored-truth", format!("{MIRRORED} {LIGHT} --uniform 6"), "Displaced."),
             ]),

@@ -56,7 +56,9 @@ const RELIEFS: [Relief; 4] = [
     Relief {
         id: "cube",
         title: "The parallax cube",
-        text: "Twelve triangles, every face a crate's side, carved a tenth of the cube deep. Angles are those of the face with the frame at the left.",
+        text: "Twelve triangles, every face a crate's side, carved a tenth of the cube deep. Displacement keeps the edges closed: corners move along the mitre of their faces, and what is carved shrinks \
+towards the middle. Per pixel each face is carved along its own normal, so ball and planks stay as wide as they are on the map: that is what \
+differs even from exact. Angles are those of the face with the frame at the left.",
         scene: "cube.glb --base-color crate_color.png --height crate.png --scale 0.12 --midlevel 1 --light 0.8,1,0.6 --ambient 0.2",
         level: 7,
         views: CUBE,

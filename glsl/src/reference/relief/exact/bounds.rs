@@ -1,6 +1,6 @@
 //! The greatest heights of cells and of 2 x 2 of those below, which rays are held against (Tevs, Ihrke and Seidel 2008).
 
-use glam::IVec2;
+use rayon::prelude::*;
 
 use super::super::HeightLevel;
 
@@ -21,10 +21,15 @@ pub fn bounds(level: &HeightLevel) -> Vec<f32> {
 }
 
 fn cells(level: &HeightLevel) -> Vec<f32> {
-    let [width, height] = level.size.map(|n| n as i32);
-    let greatest =
-        |x, y| level.corners(IVec2::new(x, y)).map(|h| h as f32).into_iter().fold(f32::NEG_INFINITY, f32::max);
-    (0..height).flat_map(|y| (0..width).map(move |x| greatest(x, y))).collect()
+    let [width, height] = level.size.map(|n| n as usize);
+    let next = |i: usize, n: usize, repeats: bool| if i + 1 < n { i + 1 } else { i * usize::from(!repeats) };
+    let line = |y: usize| &level.heights[y * width..][..width];
+    let row = |y: usize| {
+        let below = line(next(y, height, level.repeats[1]));
+        let greater: Vec<f32> = line(y).iter().zip(below).map(|(a, b)| a.max(*b)).collect();
+        (0..width).map(move |x| greater[x].max(greater[next(x, width, level.repeats[0])]))
+    };
+    (0..height).into_par_iter().flat_map_iter(row).collect()
 }
 
 fn fours(below: &[f32], [width, height]: [u32; 2]) -> Vec<f32> {
@@ -34,5 +39,5 @@ fn fours(below: &[f32], [width, height]: [u32; 2]) -> Vec<f32> {
         at(x, y).max(at(x + 1, y)).max(at(x, y + 1).max(at(x + 1, y + 1)))
     };
     let [columns, rows] = [width, height].map(|n| n.div_ceil(2));
-    (0..rows).flat_map(|y| (0..columns).map(move |x| greatest(x, y))).collect()
+    (0..rows).into_par_iter().flat_map_iter(|y| (0..columns).map(move |x| greatest(x, y))).collect()
 }

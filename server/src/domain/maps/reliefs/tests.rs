@@ -1,6 +1,6 @@
 //! Heights as they are laid out, against the maps that displacement reads.
 
-use super::*;
+use super::{super::resolve_bumps, *};
 use crate::{
     domain::{
         Digest,
@@ -151,6 +151,27 @@ fn the_files_own_displacement_counts_where_the_request_has_no_heights() {
         1,
         [0.0, 0.2, 0.4, 0.6],
     );
+}
+
+/// Its normals are those of the fine surface already.
+#[test]
+fn slopes_of_heights_bend_no_normals_of_a_material_that_has_a_normal_map() {
+    let mut scene = scene();
+    for material in &mut scene.materials {
+        let displacement = material.displacement.clone();
+        material.normal = displacement.map(|d| d.texture);
+    }
+    let of = |method: Method, layers: Vec<LayerRequest>| {
+        let requests = [MaterialDetail { material: None, layers, uv_set: 0 }];
+        let requests = if requests[0].layers.is_empty() { &[][..] } else { &requests };
+        let bumps = resolve_bumps(&scene, requests, method, &|_| Ok(png().into())).expect("bumps");
+        [0, 1].map(|material| bumps.of(Some(material)).bump.is_some())
+    };
+    for method in [Method::Steep, Method::Exact, Method::Parallax] {
+        assert_eq!(of(method, vec![height(Channel::R)]), [true, false]);
+        assert_eq!(of(method, vec![]), [false, false]);
+    }
+    assert_eq!(of(Method::Bump, vec![height(Channel::R)]), [true, true]);
 }
 
 #[test]

@@ -131,14 +131,15 @@ fn depths_apart(a: &ImageSet, b: &ImageSet) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / a.len() as f64
 }
 
-/// Depths are those of places up to half a pixel apart: the middle of what small triangles cover is not the pixel's.
+/// Depths are those of places up to half a pixel apart: of small triangles that of the middle of what one covers, of relief
+/// that of a sample.
 #[test]
 fn exact_heights_look_as_fine_triangles_do_and_are_as_far_away() {
     let truth = image(&displaced(true));
     let flat = image(&scene(grid(1, |_| 0.0), true));
     let found = image(&shown(Method::Exact, SelfShadow::None, true));
     let [color, depth] = [difference(&found, &truth), depths_apart(&found, &truth)];
-    assert!(color < 0.002 && depth < 0.006, "{color} {depth}");
+    assert!(color < 0.002 && depth < 0.01, "{color} {depth}");
     assert!(difference(&flat, &truth) > 0.05 && depths_apart(&flat, &truth) > 0.05);
 }
 
