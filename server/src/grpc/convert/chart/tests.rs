@@ -1,3 +1,5 @@
+//! Which settings a request goes with, and what it may not say.
+
 use super::*;
 use crate::domain::chart::Setting;
 

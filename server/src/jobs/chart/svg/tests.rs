@@ -1,3 +1,5 @@
+//! What is drawn of a chart, and what cannot get into it.
+
 use super::*;
 use crate::domain::report::Comparison;
 
