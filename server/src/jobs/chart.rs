@@ -81,7 +81,7 @@ impl ChartWork {
 
     fn charted(&self, context: &WorkContext<'_>, truth: &Truth, shown: Vec<Shown>) -> (Vec<Output>, Chart) {
         let (mut images, mut points) = (Vec::new(), Vec::new());
-        for Shown { point, image, difference } in shown {
+        for Shown { point, image, difference, .. } in shown {
             images.push(png(format!("{}.png", point.name), image));
             images.push(png(format!("{}-difference.png", point.name), difference));
             points.push(point);
