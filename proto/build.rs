@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 10] = [
+const PROTOS: [&str; 12] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
@@ -13,6 +13,8 @@ const PROTOS: [&str; 10] = [
     "displace/v1/look.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
+    "displace/v1/comparison.proto",
+    "displace/v1/chart.proto",
     "displace/v1/displacement.proto",
     "displace/v1/server.proto",
 ];

@@ -2,6 +2,7 @@
 //! files they name, is the business of `options` and `commands`.
 
 mod camera;
+mod chart;
 mod detail;
 mod geometry;
 mod light;
@@ -14,6 +15,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use camera::CameraArgs;
+pub(crate) use chart::ChartArgs;
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use light::{AlphaArg, FilterArg, LayoutArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};
@@ -31,6 +33,7 @@ Examples:
   displace describe wall.glb                                        what a mesh holds
   displace measure wall.glb --height bricks.png --scale 0.05 out.glb how far a result is from the truth
   displace compare before.png after.png                             how far two images are apart
+  displace chart wall.glb --height bricks.png --scale 0.05 -o chart which method is fast and near enough
   DISPLACE_SERVER=http://farm:7878 displace status                  use a server elsewhere
 
 Without --server the service runs inside this command.
@@ -87,6 +90,8 @@ pub(crate) enum Command {
     Measure(Box<MeasureArgs>),
     /// Say how far two images are apart: FLIP, RMSE, SSIM
     Compare(CompareArgs),
+    /// Chart time against error of every method, on this mesh, detail and camera
+    Chart(Box<ChartArgs>),
     /// Put, get, list and remove stored assets
     #[command(subcommand)]
     Assets(AssetsCommand),

@@ -3,6 +3,7 @@
 mod answer;
 mod apply;
 mod assets;
+mod chart;
 mod compare;
 mod completions;
 mod demo;
@@ -55,6 +56,7 @@ pub(crate) async fn run(session: &Session, cli: Cli, matches: &ArgMatches, termi
         Command::Render(args) => render::run(session, &args, matches, terminal).await,
         Command::Measure(args) => measure::run(session, &args, matches, terminal).await,
         Command::Compare(args) => compare::run(session, &args, terminal).await,
+        Command::Chart(args) => chart::run(session, &args, matches, terminal).await,
         Command::Describe(args) => describe::run(session, &args, terminal).await,
         Command::Assets(command) => assets::run(session, &command, terminal).await,
         Command::Methods => methods::run(session, terminal).await,

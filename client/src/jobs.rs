@@ -4,7 +4,7 @@
 use displace_proto::{
     rpc,
     v1::{
-        CompareRequest, DisplaceRequest, JobResult, JobUpdate, MeasureRequest, RenderRequest,
+        ChartRequest, CompareRequest, DisplaceRequest, JobResult, JobUpdate, MeasureRequest, RenderRequest,
         displacement_client::DisplacementClient, job_update::Update,
     },
 };
@@ -28,6 +28,7 @@ pub(crate) enum Job {
     Render(Box<RenderRequest>),
     Measure(MeasureRequest),
     Compare(CompareRequest),
+    Chart(Box<ChartRequest>),
 }
 
 impl Job {
@@ -38,6 +39,10 @@ impl Job {
             Self::Render(request) => request.surface.as_mut().map(|s| (&mut s.linger_secs, &mut s.fresh)),
             Self::Measure(request) => Some((&mut request.linger_secs, &mut request.fresh)),
             Self::Compare(request) => Some((&mut request.linger_secs, &mut request.fresh)),
+            Self::Chart(request) => {
+                let surface = request.render.as_mut().and_then(|render| render.surface.as_mut());
+                surface.map(|s| (&mut s.linger_secs, &mut s.fresh))
+            }
         };
         if let Some((linger_secs, fresh)) = how {
             (*linger_secs, *fresh) = (Some(0), false);
@@ -51,6 +56,7 @@ impl Job {
             Self::Render(message) => client.render(request(*message, STREAM_DEADLINE)).await,
             Self::Measure(message) => client.measure(request(message, STREAM_DEADLINE)).await,
             Self::Compare(message) => client.compare(request(message, STREAM_DEADLINE)).await,
+            Self::Chart(message) => client.chart(request(*message, STREAM_DEADLINE)).await,
         }
     }
 }

@@ -4,6 +4,7 @@ pub mod base;
 pub mod bump;
 pub mod camera;
 pub mod cancel;
+pub mod chart;
 pub mod describe;
 pub mod detail;
 pub mod digest;

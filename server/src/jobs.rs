@@ -3,11 +3,12 @@
 //! A job's life: a handler turns a request into `Work`; `Jobs::submit` answers it from the store, joins it to
 //! the same work under way, or admits it to the queue; the owner thread runs it, stores what it made, and
 //! tells every listener. Not here: what work does (`displace`, `render`,
-//! `compare`, `measure`) and how it is asked for (`grpc`).
+//! `compare`, `measure`, `chart`) and how it is asked for (`grpc`).
 
 mod admission;
 mod bumps;
 mod cautions;
+mod chart;
 mod compare;
 mod displace;
 mod exact;

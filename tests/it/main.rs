@@ -2,6 +2,7 @@
 mod across;
 mod base;
 mod bump;
+mod chart;
 mod cli;
 mod compare;
 mod corpus;

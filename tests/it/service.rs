@@ -24,6 +24,7 @@ use displace_server::{
     config::Config,
     domain::{
         Digest, Error, Result,
+        chart::ChartRequest,
         describe::Description,
         detail::Detail,
         image::{ImagePlan, ImageSet, RenderScene},
@@ -197,6 +198,10 @@ impl Recipes for TestRecipes {
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
         StandardRecipes.compare(request)
+    }
+
+    fn chart(&self, request: ChartRequest) -> Box<dyn Work> {
+        StandardRecipes.chart(request)
     }
 
     fn measure(&self, request: MeasureRequest) -> Box<dyn Work> {

@@ -12,9 +12,12 @@ pub(crate) enum Need {
 impl Need {
     pub(crate) fn of(command: &Command) -> Self {
         match command {
-            Command::Demo(_) | Command::Apply(_) | Command::Render(_) | Command::Status | Command::Health(_) => {
-                Self::Device
-            }
+            Command::Demo(_)
+            | Command::Apply(_)
+            | Command::Render(_)
+            | Command::Chart(_)
+            | Command::Status
+            | Command::Health(_) => Self::Device,
             Command::Compare(_)
             | Command::Measure(_)
             | Command::Describe(_)

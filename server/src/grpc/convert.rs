@@ -1,6 +1,7 @@
 //! Between the messages of `displace.v1` and the words of the domain. Ranges are checked here, once, with the
 //! path of the field in the error; inside the server nobody checks again.
 
+mod chart;
 mod description;
 mod details;
 mod geometry;
@@ -12,6 +13,7 @@ mod tolerance;
 mod update;
 mod view;
 
+pub(super) use chart::chart;
 pub(super) use description::to_description;
 pub(super) use request::{compare, displace, estimate, measure, mesh_source, render};
 pub(super) use update::{to_estimate, to_update};

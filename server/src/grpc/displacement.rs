@@ -98,6 +98,7 @@ impl DisplacementService {
 impl Displacement for DisplacementService {
     type DisplaceStream = Updates;
     type RenderStream = Updates;
+    type ChartStream = Updates;
     type CompareStream = Updates;
     type MeasureStream = Updates;
 
@@ -136,6 +137,17 @@ impl Displacement for DisplacementService {
             let how = how(message.fresh, message.linger_secs);
             let request = convert::measure(message)?;
             self.updates(&request.assets(), self.0.recipes.measure(request), how, store).await
+        };
+        answer(updates.await)
+    }
+
+    async fn chart(&self, request: Request<v1::ChartRequest>) -> Result<Response<Updates>, Status> {
+        let updates = async {
+            let store = self.store(request.metadata())?;
+            let surface = request.get_ref().render.as_ref().and_then(|render| render.surface.as_ref());
+            let how = surface.map(how_of_surface).unwrap_or_default();
+            let request = convert::chart(request.into_inner(), &self.0.config)?;
+            self.updates(&request.assets(), self.0.recipes.chart(request), how, store).await
         };
         answer(updates.await)
     }

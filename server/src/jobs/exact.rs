@@ -30,8 +30,8 @@ use crate::{
     },
 };
 
-/// How far what is shown may be from the surface, pixels: a sixteenth of what a still allows.
-const RESIDUAL_PX: f64 = 1.0 / 32.0;
+/// How far what a render shows may be from the surface, pixels: a sixteenth of what a still allows.
+pub(super) const RESIDUAL_PX: f64 = 1.0 / 32.0;
 /// The same while the camera is not known yet, as a share of the diagonal.
 const COARSE: f64 = 0.01;
 /// Nearer than this share of the diagonal a pixel stays as large: what the eye is inside of has no end.
@@ -39,7 +39,13 @@ const NEAREST: f64 = 1e-3;
 /// Over all meshes.
 const MOST_TRIANGLES: usize = 6_000_000;
 
-pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &RenderRequest) -> Result<OracleScene> {
+/// `residual_px`: how far what is shown may be from the surface.
+pub(super) fn scene(
+    context: &WorkContext<'_>,
+    inputs: &mut Inputs,
+    request: &RenderRequest,
+    residual_px: f64,
+) -> Result<OracleScene> {
     let sets = UvSets::of(&inputs.scene.materials, &inputs.bumps, &inputs.reliefs);
     let projection = request.surface.maps.projection;
     let shown = looks::Shown {
@@ -62,7 +68,7 @@ pub(super) fn scene(context: &WorkContext<'_>, inputs: &mut Inputs, request: &Re
     let bounds = bounds(scene, &coarsely);
     let camera = camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?;
     let lens = Lens::new(&camera, request.height, NEAREST * scene.diagonal);
-    let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > RESIDUAL_PX)?;
+    let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > residual_px)?;
     let parts = surfaces.iter().zip(&bases).zip(&finely).enumerate();
     let meshes = parts
         .map(|(mesh, ((surface, base), dicing))| oracle_mesh(inputs, &sets, mesh, [surface, base], dicing))

@@ -103,6 +103,11 @@ impl Inputs {
         Ok((surfaces, passes))
     }
 
+    /// What loading took, told once.
+    pub(super) fn take_passes(&mut self) -> Vec<PassTime> {
+        std::mem::take(&mut self.passes)
+    }
+
     /// The materials whose primitives have a detail.
     pub(super) fn displaced_materials(&self) -> HashSet<usize> {
         let of_mesh = |(m, details): (&crate::domain::scene::SceneMesh, &Vec<Option<Arc<Detail>>>)| {

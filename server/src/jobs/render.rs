@@ -142,7 +142,9 @@ impl RenderWork {
     fn take_exactly(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
         let request = &self.request;
         let mut passes = Vec::new();
-        let scene = inputs::timed(context.progress, "dice", &mut passes, || exact::scene(context, inputs, request))?;
+        let scene = inputs::timed(context.progress, "dice", &mut passes, || {
+            exact::scene(context, inputs, request, exact::RESIDUAL_PX)
+        })?;
         report.triangles = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
         report.vertices = scene.meshes.iter().map(|mesh| mesh.positions.len() as u64).sum();
         let rays = request.rays().ok_or_else(|| Error::internal("an exact image without rays"))?;
@@ -168,7 +170,7 @@ impl RenderWork {
 }
 
 /// Rays towards lights read cut-outs at texture coordinates.
-fn refuse_projected_shadows(plan: &ImagePlan, scene: &RenderScene) -> Result<()> {
+pub(super) fn refuse_projected_shadows(plan: &ImagePlan, scene: &RenderScene) -> Result<()> {
     let cuts = |material: &RenderMaterial| material.alpha.cutoff() > 0.0 && material.maps[MAP_BASE_COLOR].is_some();
     let reads = scene.projection != Projection::Uv && scene.shadows == Shadows::Ray;
     if !reads || plan.rays.is_some() || !scene.materials.iter().any(cuts) {
@@ -198,7 +200,7 @@ fn layers_left_out() -> Warning {
 
 /// The image's plan as far as it is known, its maps excepted: before the work, of what the surfaces have
 /// at least. Refuses what can be refused by it.
-fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
+pub(super) fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderRequest) -> Result<ImagePlan> {
     camera::check(&request.camera, &inputs.scene)?;
     let (instance_vertices, instance_triangles) = inputs.plans.instanced(&inputs.scene);
     let silhouettes = reliefs::settings(request, &inputs.reliefs).silhouettes;
@@ -259,7 +261,7 @@ fn refuse_rays(request: &RenderRequest, executor: &dyn Executor) -> Result<()> {
     Err(Error::unsupported("surface.geometry.exact", message))
 }
 
-fn image_bytes(request: &RenderRequest) -> u64 {
+pub(super) fn image_bytes(request: &RenderRequest) -> u64 {
     u64::from(request.width) * u64::from(request.height) * BYTES_PER_PIXEL
 }
 

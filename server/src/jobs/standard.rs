@@ -1,14 +1,15 @@
 //! The jobs this version has.
 
-use super::{AssetReader, JobLimits, Recipes, Work, compare, displace, measure, render};
+use super::{AssetReader, JobLimits, Recipes, Work, chart, compare, displace, measure, render};
 use crate::domain::{
     Digest, Result,
+    chart::ChartRequest,
     describe::Description,
     report::Estimate,
     request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
 };
 
-/// Requests become `displace`, `render`, `measure` and `compare` jobs.
+/// Requests become `displace`, `render`, `measure`, `compare` and `chart` jobs.
 pub struct StandardRecipes;
 
 impl Recipes for StandardRecipes {
@@ -22,6 +23,10 @@ impl Recipes for StandardRecipes {
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {
         Box::new(compare::CompareWork { request })
+    }
+
+    fn chart(&self, request: ChartRequest) -> Box<dyn Work> {
+        Box::new(chart::ChartWork { request })
     }
 
     fn measure(&self, request: MeasureRequest) -> Box<dyn Work> {

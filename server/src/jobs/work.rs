@@ -6,6 +6,7 @@ use crate::{
     domain::{
         Digest, Result,
         cancel::{Cancel, Progress},
+        chart::ChartRequest,
         describe::Description,
         report::{Estimate, Report},
         request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
@@ -16,7 +17,7 @@ use crate::{
 
 /// One piece of work: a pure function of what `canonical` returns and of the assets that names.
 pub trait Work: Send + 'static {
-    /// Word for logs and statistics: `displace`, `render`, `measure`, `compare`.
+    /// Word for logs and statistics: `displace`, `render`, `measure`, `compare`, `chart`.
     fn kind(&self) -> &'static str;
 
     /// Method in lower case, for statistics; what is worked on where a kind has none.
@@ -89,6 +90,8 @@ pub trait Recipes: Send + Sync + 'static {
     fn render(&self, request: RenderRequest) -> Box<dyn Work>;
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work>;
+
+    fn chart(&self, request: ChartRequest) -> Box<dyn Work>;
 
     fn measure(&self, request: MeasureRequest) -> Box<dyn Work>;
 

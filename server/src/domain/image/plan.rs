@@ -120,7 +120,8 @@ impl ImagePlan {
 
 impl ImageContents {
     /// Vertices (place, normal, uvs, perhaps a colour), triangles and their corners' tangents, maps with their mips.
-    fn scene_bytes(&self) -> u64 {
+    #[must_use]
+    pub fn scene_bytes(&self) -> u64 {
         let per_vertex = 12 + 12 + 8 * u64::from(self.uv_channels) + if self.has_colors { 16 } else { 0 };
         let per_triangle = 12
             + if self.has_tangents { 48 } else { 0 }

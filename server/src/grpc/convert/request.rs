@@ -126,7 +126,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
 }
 
 /// What is tied to texture coordinates goes with no other projection.
-fn refuse_under_projection(path: &str, surface: &DisplaceRequest, look: &Look) -> Result<()> {
+pub(super) fn refuse_under_projection(path: &str, surface: &DisplaceRequest, look: &Look) -> Result<()> {
     if surface.maps.projection == Projection::Uv {
         return Ok(());
     }

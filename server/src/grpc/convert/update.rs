@@ -2,7 +2,7 @@
 
 use displace_proto::v1::{self, job_update::Update};
 
-use super::{measurement::to_measurement, to_digest};
+use super::{chart::to_chart, measurement::to_measurement, to_digest};
 use crate::{
     domain::{
         image::MarchCounters,
@@ -72,6 +72,7 @@ fn to_report(report: &Report) -> v1::Report {
         lods: report.lods.iter().map(to_lod).collect(),
         normal_maps: report.normal_maps.iter().map(to_normal_map).collect(),
         counters: report.counters.map(to_counters),
+        chart: report.chart.as_ref().map(to_chart),
     }
 }
 
@@ -93,7 +94,7 @@ fn to_fit(fitted: &Fitted) -> v1::Fit {
     }
 }
 
-fn to_counters(counters: MarchCounters) -> v1::MarchCounters {
+pub(super) fn to_counters(counters: MarchCounters) -> v1::MarchCounters {
     let MarchCounters { rays, fetches, steps, cap_hits } = counters;
     v1::MarchCounters { rays, fetches, steps, cap_hits }
 }
@@ -116,7 +117,7 @@ fn to_normal_map(map: &NormalMap) -> v1::NormalMap {
     }
 }
 
-fn to_comparison(comparison: &Comparison) -> v1::Comparison {
+pub(super) fn to_comparison(comparison: &Comparison) -> v1::Comparison {
     v1::Comparison {
         flip_mean: comparison.flip_mean,
         flip_p99: comparison.flip_p99,

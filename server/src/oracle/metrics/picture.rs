@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
 use rayon::prelude::*;
 
 use super::light::linear_from_encoded;
-use crate::domain::{Error, Result, encode::CLIP_FROM_WORLD};
+use crate::domain::{Error, Result, encode::CLIP_FROM_WORLD, image::ImageSet};
 
 /// An image, row-major from the top left.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,6 +75,24 @@ impl Limits {
 }
 
 impl Picture {
+    /// An image as `read` gives it of the file that it would be written to.
+    ///
+    /// # Errors
+    /// A colour or a covered place is not finite; the error names `field`.
+    pub fn of_images(field: &str, images: &ImageSet) -> Result<Self> {
+        let covered = images.depth.as_ref().map(|depth| depth.iter().map(|d| d.is_finite()).collect());
+        let picture = Self {
+            width: images.width,
+            height: images.height,
+            linear: images.color.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+            covered,
+            positions: images.position.clone(),
+            clip_from_world: images.clip_from_world,
+        };
+        picture.refuse_infinite(field)?;
+        Ok(picture)
+    }
+
     fn refuse_infinite(&self, field: &str) -> Result<()> {
         let finite = |v: &[f32; 3]| v.iter().all(|x| x.is_finite());
         if let Some(at) = self.linear.par_iter().position_first(|light| !finite(light)) {
@@ -231,8 +249,11 @@ mod tests {
         assert_eq!((picture.width, picture.height), (3, 1));
         assert_eq!(picture.linear, [[0.5, 0.0, 4.0], [0.25, 1.0, 0.125], [0.0; 3]]);
         assert_eq!(picture.covered, Some(vec![true, true, false]));
-        assert_eq!(picture.positions.unwrap()[1], [4.0, 5.0, 6.0]);
+        assert_eq!(picture.positions.as_ref().unwrap()[1], [4.0, 5.0, 6.0]);
         assert_eq!(picture.clip_from_world, images.clip_from_world);
+        let direct = Picture::of_images("a", &images).unwrap();
+        assert_eq!(direct.positions.as_ref().unwrap()[..2], picture.positions.as_ref().unwrap()[..2]);
+        assert_eq!((direct.linear, direct.covered), (picture.linear, picture.covered));
     }
 
     #[test]

@@ -1,0 +1,87 @@
+//! The points as CSV and as JSON.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use crate::domain::{
+    Error, Result,
+    chart::{Chart, Metric, Point},
+    report::Warning,
+};
+
+const COLUMNS: &str = "method,setting,triangles,fetches,ms,ms_spread,error,metric,predicted,pareto,chosen";
+
+/// A row for each point and metric (RFC 4180, lines that end in LF). What is not known is empty.
+pub(super) fn csv(chart: &Chart) -> String {
+    let mut text = format!("{COLUMNS}\n");
+    for point in &chart.points {
+        for metric in Metric::ALL {
+            row(&mut text, point, metric);
+        }
+    }
+    text
+}
+
+fn row(text: &mut String, point: &Point, metric: Metric) {
+    let Point { triangles, ms, .. } = point;
+    let (method, setting) = (field(&point.method), field(&point.setting));
+    let fetches = known(point.counters.map(|counters| counters.fetches));
+    let (spread, error) = (known(point.ms_spread), known(metric.of(&point.error)));
+    let (metric, pareto) = (metric.name(), point.fronts.contains(&metric));
+    // Neither predicted nor chosen.
+    let _ = writeln!(text, "{method},{setting},{triangles},{fetches},{ms},{spread},{error},{metric},,{pareto},");
+}
+
+fn known<T: ToString>(value: Option<T>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// All that is known.
+pub(super) fn json(chart: &Chart, warnings: &[Warning]) -> Result<String> {
+    let failed = |cause| Error::internal("the chart has no JSON").with_cause(cause);
+    let mut value = serde_json::to_value(chart).map_err(failed)?;
+    value["warnings"] = json!(warnings);
+    let text = serde_json::to_string_pretty(&value).map_err(failed)?;
+    Ok(text + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::{image::MarchCounters, report::Comparison};
+
+    #[test]
+    fn what_is_not_known_is_empty_and_each_metric_has_its_row() {
+        let point = Point {
+            method: "relief".into(),
+            setting: "16".into(),
+            triangles: 2,
+            counters: Some(MarchCounters { fetches: 99, ..MarchCounters::default() }),
+            ms: 1.5,
+            error: Comparison { flip_mean: 0.25, silhouette_xor_px: Some(7), ..Comparison::default() },
+            fronts: vec![Metric::Flip],
+            ..Point::default()
+        };
+        let flat = Point { method: "flat".into(), ms_spread: Some(0.5), ..Point::default() };
+        let text = csv(&Chart { points: vec![point, flat], ..Chart::default() });
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], COLUMNS);
+        assert_eq!(lines[1], "relief,16,2,99,1.5,,0.25,flip,,true,");
+        assert_eq!(lines[2], "relief,16,2,99,1.5,,,hit_px,,false,");
+        assert_eq!(lines[3], "relief,16,2,99,1.5,,7,silhouette_px,,false,");
+        assert_eq!(lines[4], "flat,,0,,0,0.5,0,flip,,false,");
+        assert_eq!(lines.len(), 7);
+        assert!(lines.iter().all(|line| line.matches(',').count() == COLUMNS.matches(',').count()));
+    }
+
+    #[test]
+    fn fields_with_commas_and_quotes_are_quoted() {
+        assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"");
+        assert_eq!(field("level 5"), "level 5");
+    }
+}

@@ -1,0 +1,95 @@
+//! What is right: the surface itself, by rays, and the camera that all else is seen by.
+
+use std::time::Instant;
+
+use crate::{
+    domain::{
+        Error, Result,
+        cancel::Progress,
+        encode,
+        image::{ImageSet, RenderCamera},
+        report::{PassTime, Warning},
+        request::{ImageFormat, RenderRequest, Shadows},
+    },
+    jobs::{
+        WorkContext, exact,
+        inputs::{self, Inputs},
+        render::planned,
+    },
+    oracle::{self, image::Exposure, metrics::picture::Picture},
+};
+
+/// How far it may be from the surface, pixels: a quarter of what the finest setting is allowed, since what it takes grows with
+/// its inverse.
+const RESIDUAL_PX: f64 = 1.0 / 16.0;
+
+pub(super) struct Truth {
+    pub(super) picture: Picture,
+    pub(super) png: Vec<u8>,
+    pub(super) camera: RenderCamera,
+    pub(super) ms: f64,
+    /// Rays a pixel.
+    pub(super) samples: u32,
+    /// Of the meshes.
+    pub(super) title: String,
+    pub(super) triangles_in: u64,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) passes: Vec<PassTime>,
+}
+
+pub(super) fn take(context: &WorkContext<'_>, request: &RenderRequest) -> Result<Truth> {
+    let start = Instant::now();
+    let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
+    planned(&inputs, context.limits, request)?;
+    let mut passes = inputs.take_passes();
+    let scene = inputs::timed(context.progress, "dice", &mut passes, || {
+        exact::scene(context, &mut inputs, request, RESIDUAL_PX)
+    })?;
+    let rays = request.rays().ok_or_else(|| Error::internal("a truth without rays"))?;
+    let shadows = rays.shadows != Shadows::None;
+    let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };
+    let progress = Named { progress: context.progress, name: "truth" };
+    let trace = || oracle::image::render(&scene, &exposure, context.cancel, &progress);
+    let images = inputs::timed(context.progress, "truth", &mut passes, trace)?;
+    Ok(Truth {
+        picture: Picture::of_images("render", &images)?,
+        png: png(&images)?,
+        camera: scene.camera,
+        ms: start.elapsed().as_secs_f64() * 1e3,
+        samples: rays.samples,
+        title: title(&inputs),
+        triangles_in: inputs.estimate().triangles_in,
+        warnings: inputs.scene.warnings,
+        passes,
+    })
+}
+
+/// The colours alone.
+pub(super) fn png(images: &ImageSet) -> Result<Vec<u8>> {
+    let (width, height) = (images.width, images.height);
+    let color = ImageSet { width, height, color: images.color.clone(), ..ImageSet::default() };
+    let mut files = encode::encode(&color, ImageFormat::Png)?;
+    Ok(files.swap_remove(0).bytes)
+}
+
+/// The first name, and how many meshes there are besides.
+fn title(inputs: &Inputs) -> String {
+    let meshes = &inputs.scene.meshes;
+    let named = meshes.iter().map(|m| m.mesh.name.as_str()).find(|name| !name.is_empty());
+    match (named.unwrap_or("mesh without a name"), meshes.len()) {
+        (name, 0 | 1) => name.to_owned(),
+        (name, count) => format!("{name} and {} more", count - 1),
+    }
+}
+
+/// Tells what it is told under one name.
+struct Named<'p> {
+    progress: &'p dyn Progress,
+    name: &'static str,
+}
+
+impl Progress for Named<'_> {
+    fn pass(&self, _name: &str, done: u64, total: u64) {
+        self.progress.pass(self.name, done, total);
+    }
+}
