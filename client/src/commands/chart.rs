@@ -119,7 +119,7 @@ fn as_json(report: &Report, chart: &ChartReport, written: &[Written]) -> Value {
 
 /// What is not known is absent.
 fn point_json(point: &ChartPoint) -> Value {
-    let error = point.error.clone().unwrap_or_default();
+    let error = point.error.unwrap_or_default();
     let mut value = json!({
         "name": point.name,
         "method": point.method,
@@ -194,7 +194,7 @@ fn words(report: &Report, chart: &ChartReport, folder: &Path) -> String {
 }
 
 fn row(point: &ChartPoint) -> String {
-    let error = point.error.clone().unwrap_or_default();
+    let error = point.error.unwrap_or_default();
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
     let fronts: Vec<&str> = point
         .fronts()

@@ -242,7 +242,7 @@ fn median(runs: &[Took]) -> Option<Took> {
 fn spread(runs: &[Took]) -> Option<f64> {
     let ms = runs.iter().map(Took::ms);
     let [least, most] = ms.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], ms| [least.min(ms), most.max(ms)]);
-    (runs.len() > 1).then(|| most - least)
+    (runs.len() > 1).then_some(most - least)
 }
 
 #[cfg(test)]

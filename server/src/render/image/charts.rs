@@ -156,7 +156,7 @@ impl Charted<'_> {
         let rounding = |[p, q]: [DVec2; 2]| p.abs().max(q.abs()).max_element() * 4.0 * f64::from(f32::EPSILON);
         let is_same = |ends: [DVec2; 2]| (ends[0] - ends[1] - turns).abs().max_element() <= SAME_PLACE + rounding(ends);
         let fits = turns.abs().max_element() <= f64::from(MOST_TURNS);
-        (is_same(a) && is_same(b) && fits).then(|| [turns.x as i32, turns.y as i32])
+        (is_same(a) && is_same(b) && fits).then_some([turns.x as i32, turns.y as i32])
     }
 
     fn place(&self, vertex: usize) -> DVec2 {
