@@ -23,7 +23,7 @@ use displace_glsl::layout::bump::{BUMP_SLOTS, MOST_FORMULAS};
 
 /// What of the request's details, and under bump and per pixel of the file's, bends normals by this method. The first normal
 /// map in tangent space that a glTF material can hold becomes its texture. Of heights that are shown per pixel the slopes
-/// do, unless a normal map tells of them, also one of the file.
+/// do, unless a normal map of the request tells of them. The file's own bends normals besides, as it does where vertices move.
 pub fn resolve_bumps(
     scene: &Scene,
     requests: &[MaterialDetail],
@@ -45,10 +45,6 @@ pub fn resolve_bumps(
     };
     for (material, shading) in of_material.iter_mut().enumerate().filter(|(_, shading)| is_bare(shading)) {
         shading.bump = resolver.of_file(scene, material)?;
-    }
-    let has_own = |material: usize| method.marcher().is_some() && scene.materials[material].normal.is_some();
-    for (_, shading) in of_material.iter_mut().enumerate().filter(|(material, _)| has_own(*material)) {
-        shading.bump = shading.bump.take().filter(|_| shading.has_normals);
     }
     Ok(Bumps { of_material, of_none: of(entries.of_none) })
 }

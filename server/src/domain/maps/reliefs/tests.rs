@@ -155,7 +155,7 @@ fn the_files_own_displacement_counts_where_the_request_has_no_heights() {
 
 /// Its normals are those of the fine surface already.
 #[test]
-fn slopes_of_heights_bend_no_normals_of_a_material_that_has_a_normal_map() {
+fn slopes_of_heights_bend_normals_beside_those_of_the_files_own_normal_map() {
     let mut scene = scene();
     for material in &mut scene.materials {
         let displacement = material.displacement.clone();
@@ -168,8 +168,8 @@ fn slopes_of_heights_bend_no_normals_of_a_material_that_has_a_normal_map() {
         [0, 1].map(|material| bumps.of(Some(material)).bump.is_some())
     };
     for method in [Method::Steep, Method::Exact, Method::Parallax] {
-        assert_eq!(of(method, vec![height(Channel::R)]), [true, false]);
-        assert_eq!(of(method, vec![]), [false, false]);
+        assert_eq!(of(method, vec![height(Channel::R)]), [true, true]);
+        assert_eq!(of(method, vec![]), [false, true]);
     }
     assert_eq!(of(Method::Bump, vec![height(Channel::R)]), [true, true]);
 }
