@@ -169,7 +169,7 @@ impl Scene {
     }
 
     fn is_met(&self, nodes: &[DVec4]) -> bool {
-        let course = Course { nodes: nodes.to_vec(), cosine: 1.0, is_open: false };
+        let course = Course { nodes: nodes.to_vec(), cosine: 1.0, is_open: [false; 2] };
         !nodes.is_empty() && steep::marched(&self.map, &course, 0.0).is_hit()
     }
 }

@@ -75,7 +75,7 @@ impl Marches {
 pub fn straight(from: [f64; 3], to: [f64; 3]) -> Course {
     let node = |[x, y, z]: [f64; 3], t: f64| DVec4::new(x, y, z, t).as_vec4().as_dvec4();
     let way = DVec3::from_array(to) - DVec3::from_array(from);
-    Course { nodes: vec![node(from, 0.0), node(to, 1.0)], cosine: (way.z / way.length()).abs(), is_open: false }
+    Course { nodes: vec![node(from, 0.0), node(to, 1.0)], cosine: (way.z / way.length()).abs(), is_open: [false; 2] }
 }
 
 /// A map without what only some methods need.

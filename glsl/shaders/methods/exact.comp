@@ -35,8 +35,8 @@ March marched(Trip trip) {
     uint pieces = min(trip.course.nodes, COURSE_NODES) - 1u;
     March march = March(MISSED, vec2(0.0), 0u, 0u, 0u);
     bool above = false;
-    // What has not been met by then is not at a border beyond which nothing lies.
-    bool is_open = (trip.course.ends >> 4) == WAY_OPEN;
+    // At a border beyond which nothing lies only what is met there counts.
+    bvec2 closed = notEqual(uvec2(trip.course.ends & 15u, trip.course.ends >> 4), uvec2(WAY_OPEN));
     [[dont_unroll]] for (uint k = 0u; k < pieces && march.s < 0.0; ++k) {
         Piece piece = piece_of(trip, k);
         Walk walk = walk_from(trip, piece, ends, above);
@@ -49,7 +49,7 @@ March marched(Trip trip) {
             }
             if (walk.t < 1.0 && march.fetches < MOST_READS) {
                 march.fetches += 1u;
-                found = visit_cell(trip, piece, ends, walk, bvec2(k == 0u, k + 1u == pieces && !is_open));
+                found = visit_cell(trip, piece, ends, walk, bvec2(k == 0u && closed.x, k + 1u == pieces && closed.y));
             }
         }
         above = walk.above;

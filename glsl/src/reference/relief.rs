@@ -67,8 +67,8 @@ pub struct Course {
     pub nodes: Vec<DVec4>,
     /// Of the ray and the base's normal.
     pub cosine: f64,
-    /// Nothing lies beyond its end.
-    pub is_open: bool,
+    /// Nothing lies before its beginning, and beyond its end.
+    pub is_open: [bool; 2],
 }
 
 /// What a method found.

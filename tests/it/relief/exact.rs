@@ -77,7 +77,7 @@ fn candidates(map: &ReliefMap, course: &Course, ulp: f64) -> [Option<DVec2>; 4] 
     let (along, lift) = (DVec4::new(along.x, along.y, 0.0, 0.0), DVec4::new(0.0, 0.0, ulp_of(ends[0].z), 0.0));
     [lift, -lift, along, -along].map(|offset| {
         let nodes = ends.map(|node| node + offset).to_vec();
-        let march = marched(map, &Course { nodes, cosine: course.cosine, is_open: false }, 0.0);
+        let march = marched(map, &Course { nodes, cosine: course.cosine, is_open: [false; 2] }, 0.0);
         march.is_hit().then_some(march.place)
     })
 }

@@ -89,7 +89,7 @@ impl<'a> Foot<'a> {
         if back.end != End::Inside || forth.end != End::Inside {
             let nodes = vec![if back.t > 0.0 { last } else { first }];
             return Bordered {
-                course: Course { nodes, cosine, is_open: forth.end == End::Open },
+                course: Course { nodes, cosine, is_open: [&back, &forth].map(|way| way.end == End::Open) },
                 ends: [back.end, forth.end],
             };
         }
@@ -106,7 +106,10 @@ impl<'a> Foot<'a> {
         let before = forth.bends.iter().map(|bend| self.node(1.0, *bend));
         let tail = (first.z > last.z).then_some(last);
         let nodes = [first].into_iter().chain(behind).chain(before).chain(tail).collect();
-        Bordered { course: Course { nodes, cosine, is_open: forth.end == End::Open }, ends: [back.end, forth.end] }
+        Bordered {
+            course: Course { nodes, cosine, is_open: [&back, &forth].map(|way| way.end == End::Open) },
+            ends: [back.end, forth.end],
+        }
     }
 
     /// Beyond a seam the surface goes on: a ray that comes from there below it has struck it, and one that leaves above it

@@ -131,7 +131,7 @@ mod tests {
     fn where_a_course_rises_steps_are_even() {
         let map = with_cones_of(map([32, 32], |x, _| if (18..22).contains(&x) { 4.0 } else { 0.0 }));
         let nodes = vec![DVec4::new(4.0, 4.0, 1.0, 0.0), DVec4::new(28.0, 4.0, 3.0, 1.0)];
-        let course = Course { nodes, cosine: 0.1, is_open: false };
+        let course = Course { nodes, cosine: 0.1, is_open: [false; 2] };
         let found = marched(&map, &course, 0.0);
         let even = relief::marched(&map, &course, 0.0);
         assert_eq!((found.s, found.steps, found.fetches), (even.s, even.steps, even.fetches));

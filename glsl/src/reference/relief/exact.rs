@@ -42,7 +42,7 @@ pub fn marched(map: &ReliefMap, course: &Course, setting: f64) -> March {
     let mut march = March::missed(0, 0);
     let mut above = false;
     for (k, pair) in course.nodes.windows(2).enumerate() {
-        let piece = Piece::new(map, pair[0], pair[1], [k == 0, k == last && !course.is_open]);
+        let piece = Piece::new(map, pair[0], pair[1], [k == 0 && !course.is_open[0], k == last && !course.is_open[1]]);
         let mut walk = Walk::new(map, &piece, above, setting);
         let met = walk.run(&mut march);
         above = walk.above;

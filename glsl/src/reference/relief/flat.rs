@@ -112,7 +112,7 @@ pub fn course(base: &Base, ray: &PixelRay, heights: Range<f64>) -> Option<Course
     let range = range(base, ray, &heights)?;
     let (start, change) = (base.under(ray.origin), base.along(ray.direction));
     let nodes = [range.start, range.end].map(|t| base.node(start + change * t, t)).to_vec();
-    Some(Course { nodes, cosine: ray.direction.dot(base.normal).abs(), is_open: false })
+    Some(Course { nodes, cosine: ray.direction.dot(base.normal).abs(), is_open: [false; 2] })
 }
 
 #[cfg(test)]

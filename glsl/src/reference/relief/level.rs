@@ -109,7 +109,7 @@ mod tests {
             let at = (place + DVec2::new(along, 0.7 * along) + 0.5) / 2f64.powi(level as i32) - 0.5;
             at.extend(8.5 - along / 4.0).extend(along)
         };
-        let course = Course { nodes: vec![node(0.0), node(36.0)], cosine: 0.2, is_open: false };
+        let course = Course { nodes: vec![node(0.0), node(36.0)], cosine: 0.2, is_open: [false; 2] };
         let march = marched(&maps[level], &course, 0.0);
         assert!(march.is_hit());
         course.place(march.s).z

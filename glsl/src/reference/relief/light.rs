@@ -32,7 +32,7 @@ pub fn course(
     let last = ((heights.end + base.margin(heights) - low) / change.z).min(far);
     let first = DVec3::new(weights.y, weights.z, low);
     let nodes = [0.0, last].map(|t| base.node(first + change * t, t)).to_vec();
-    Some(Course { nodes, cosine: 1.0, is_open: false })
+    Some(Course { nodes, cosine: 1.0, is_open: [false; 2] })
 }
 
 /// The same within the chart of the triangle that it begins on; without nodes where nothing of it is on the way.

@@ -38,7 +38,7 @@ fn traced(triangles: usize, map: &ReliefMap, course: impl Fn(usize, DVec3, DVec3
         let origin = across * p.x + up * p.y - direction * 3.0;
         (0..triangles).any(|t| {
             let nodes = course(t, origin, direction);
-            !nodes.is_empty() && steep::marched(map, &Course { nodes, cosine: 1.0, is_open: false }, 0.0).is_hit()
+            !nodes.is_empty() && steep::marched(map, &Course { nodes, cosine: 1.0, is_open: [false; 2] }, 0.0).is_hit()
         })
     };
     (0..PIXELS * PIXELS).map(|i| is_hit(place(i % PIXELS, i / PIXELS))).collect()

@@ -30,7 +30,7 @@ mod tests {
     #[test]
     fn a_level_is_as_dark_as_its_first_step_is_deep() {
         let nodes = vec![DVec4::new(0.0, 0.0, 0.5, 0.0), DVec4::new(16.0, 0.0, 2.1, 1.0)];
-        let course = Course { nodes, cosine: 1.0, is_open: false };
+        let course = Course { nodes, cosine: 1.0, is_open: [false; 2] };
         for (height, expected) in [(0.5, 1.0), (0.61, 0.6), (0.7, 0.0)] {
             let found = share(&flat(height), &course);
             assert!((found - expected).abs() < 1e-6, "{height}: {found}");

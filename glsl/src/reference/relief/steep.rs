@@ -27,7 +27,7 @@ mod tests {
     #[test]
     fn a_plane_is_met_at_the_first_step_below_it() {
         let nodes = vec![DVec4::new(0.0, 0.0, 1.0, 0.0), DVec4::new(8.0, 0.0, 0.0, 1.0)];
-        let course = Course { nodes, cosine: 0.5, is_open: false };
+        let course = Course { nodes, cosine: 0.5, is_open: [false; 2] };
         let found = marched(&flat(0.4), &course, 0.0);
         assert_eq!((found.s, found.steps), (0.625, 10));
         assert_eq!(found.place.x, 5.0);
@@ -37,7 +37,7 @@ mod tests {
     fn a_ray_that_stays_above_or_below_meets_nothing() {
         for z in [1.0, 0.1] {
             let nodes = vec![DVec4::new(0.0, 0.0, z, 0.0), DVec4::new(8.0, 0.0, z, 1.0)];
-            assert!(!marched(&flat(0.4), &Course { nodes, cosine: 0.0, is_open: false }, 0.0).is_hit());
+            assert!(!marched(&flat(0.4), &Course { nodes, cosine: 0.0, is_open: [false; 2] }, 0.0).is_hit());
         }
     }
 }

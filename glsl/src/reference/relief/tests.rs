@@ -51,7 +51,7 @@ pub(crate) fn ray_at(random: &mut Random, degrees: f64, [high, low]: [f64; 2]) -
     let node = |place: DVec2, z: f64, t: f64| DVec4::new(place.x, place.y, z, t);
     let nodes =
         vec![node(middle - across / 2.0, high, 0.0), node(middle + across / 2.0, low, (high - low) / angle.cos())];
-    Course { nodes, cosine: angle.cos(), is_open: false }
+    Course { nodes, cosine: angle.cos(), is_open: [false; 2] }
 }
 
 /// Noise of an amplitude, in [-amplitude, amplitude], 24 x 24 texels, tiling.

@@ -73,7 +73,7 @@ fn course(random: &mut Random) -> Course {
         let z = heights[0] + (heights[1] - heights[0]) * share;
         (place + across * run * share + DVec4::Z * z + DVec4::W * share).as_vec4().as_dvec4()
     };
-    Course { nodes: (0..=pieces as usize).map(node).collect(), cosine: 1.0 / tangent.hypot(1.0), is_open: false }
+    Course { nodes: (0..=pieces as usize).map(node).collect(), cosine: 1.0 / tangent.hypot(1.0), is_open: [false; 2] }
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn a_march_of_too_many_cells_says_so_and_where_it_came_to() {
     let level = HeightLevel { size: [2, 2], heights: vec![0.0; 4], repeats: [true; 2] };
     let map = ReliefMap { bounds: bounds(&level), level, cones: Vec::new(), thinnest_texels: 1.0, steps: 0 };
     let nodes = vec![DVec4::new(0.25, 0.5, 1.0, 0.0), DVec4::new(65536.25, 65536.5, 1.0, 1.0)];
-    let course = Course { nodes, cosine: 0.0, is_open: false };
+    let course = Course { nodes, cosine: 0.0, is_open: [false; 2] };
     let cells = marched(&map, &course, f64::INFINITY);
     assert!(cells.capped && cells.fetches == MOST_READS, "{cells:?}");
     assert!((0.49..0.51).contains(&cells.s), "{cells:?}");
@@ -115,7 +115,7 @@ fn what_falls_onto_or_from_a_flat_meets_it_and_what_rises_from_it_does_not() {
     {
         let nodes = vec![DVec4::new(0.7, 9.1, from, 0.0), DVec4::new(40.3, -7.7, to, 1.0)];
         for setting in [0.0, f64::INFINITY] {
-            let found = marched(&map, &Course { nodes: nodes.clone(), cosine: 0.5, is_open: false }, setting).s;
+            let found = marched(&map, &Course { nodes: nodes.clone(), cosine: 0.5, is_open: [false; 2] }, setting).s;
             assert!((found - s).abs() < 1e-12, "{found} from {from} to {to}");
         }
     }
