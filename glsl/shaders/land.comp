@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform RelieveParams {
     uint finds_depth;  // else maps are shifted, and nothing else
     uint has_outlines; // charts have no borders
     uint tests;        // fragments are samples under test: what is missed is not seen
-    uint lifts;
+    uint lifts;        // relieve alone asks
 } params;
 
 PAGED(0, readonly, Fragment, fragments);

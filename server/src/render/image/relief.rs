@@ -323,10 +323,10 @@ fn has_outlines(scene: &RenderScene) -> u32 {
     u32::from(scene.relief.silhouettes != Silhouettes::None)
 }
 
-fn record_levels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
-    let Frame { scene, streams, work, .. } = frame;
-    let params = CourseParams { count: count as u32, uv_channels: scene.uv_channels };
-    let bound = [
+/// What is seen, and the heights of it.
+fn seen<'a>(frame: &Frame<'a>) -> [(&'static str, &'a Stream); 7] {
+    let Frame { streams, work, .. } = frame;
+    [
         ("fragments", &work.fragments),
         ("points", &work.points),
         ("instance_rows", &streams.instance_rows),
@@ -334,24 +334,18 @@ fn record_levels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> 
         ("uvs", &streams.uvs),
         ("reliefs", &streams.relief.reliefs),
         ("relief_levels", &streams.relief.levels),
-        ("courses", &work.march.courses),
-    ];
+    ]
+}
+
+fn record_levels(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
+    let params = CourseParams { count: count as u32, uv_channels: frame.scene.uv_channels };
+    let bound = [&seen(frame)[..], &[("courses", &frame.work.march.courses)]].concat();
     Ok(recorder.dispatch(&SHADERS.course_level, count, &params, &bound)?)
 }
 
 fn record_courses(recorder: &mut Recorder<'_>, frame: &Frame<'_>, count: u64) -> Result<()> {
     let Frame { scene, streams, work, .. } = frame;
-    let shared = [
-        ("fragments", &work.fragments),
-        ("points", &work.points),
-        ("instance_rows", &streams.instance_rows),
-        ("positions", &streams.positions),
-        ("uvs", &streams.uvs),
-        ("reliefs", &streams.relief.reliefs),
-        ("relief_levels", &streams.relief.levels),
-        ("courses", &work.march.courses),
-        ("course_nodes", &work.march.nodes),
-    ];
+    let shared = [&seen(frame)[..], &[("courses", &work.march.courses), ("course_nodes", &work.march.nodes)]].concat();
     let own = &streams.silhouettes;
     let directions = ("directions", &own.directions);
     let (shader, more) = match scene.relief.silhouettes {
@@ -410,18 +404,9 @@ fn record_struck(
         // What lights see has no steps.
         lifts: u32::from(scene.shadows == Shadows::Map),
     };
-    let shared = [
-        ("fragments", &work.fragments),
-        ("points", &work.points),
-        ("instance_rows", &streams.instance_rows),
-        ("positions", &streams.positions),
-        ("uvs", &streams.uvs),
-        ("reliefs", &streams.relief.reliefs),
-        ("relief_levels", &streams.relief.levels),
-        ("texels", &streams.relief.texels),
-        ("courses", &work.march.courses),
-        ("landings", &work.march.landings),
-    ];
+    let more =
+        [("texels", &streams.relief.texels), ("courses", &work.march.courses), ("landings", &work.march.landings)];
+    let shared = [&seen(frame)[..], &more].concat();
     let landing = [
         ("course_nodes", &work.march.nodes),
         ("marches", &work.march.marches),
