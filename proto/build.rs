@@ -4,13 +4,15 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 12] = [
+const PROTOS: [&str; 14] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
     "displace/v1/geometry.proto",
     "displace/v1/relief.proto",
     "displace/v1/look.proto",
+    "displace/v1/method.proto",
+    "displace/v1/choice.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/comparison.proto",

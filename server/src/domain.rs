@@ -5,6 +5,8 @@ pub mod bump;
 pub mod camera;
 pub mod cancel;
 pub mod chart;
+pub mod choice;
+pub mod cost;
 pub mod describe;
 pub mod detail;
 pub mod digest;

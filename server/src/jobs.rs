@@ -6,7 +6,9 @@
 //! `compare`, `measure`, `chart`) and how it is asked for (`grpc`).
 
 mod admission;
+mod auto;
 mod bumps;
+mod calibration;
 mod cautions;
 mod chart;
 mod compare;
@@ -17,6 +19,7 @@ mod images;
 mod inputs;
 mod job;
 mod key;
+mod lens;
 mod levels;
 mod looks;
 mod measure;

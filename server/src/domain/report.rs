@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{chart::Chart, image::MarchCounters, measurement::Measurement};
+use super::{chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -35,6 +35,9 @@ pub struct Report {
     /// Of methods that show heights per pixel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counters: Option<MarchCounters>,
+    /// Of `Method::Auto`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
     /// What `chart` found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chart: Option<Chart>,

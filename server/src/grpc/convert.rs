@@ -2,6 +2,7 @@
 //! path of the field in the error; inside the server nobody checks again.
 
 mod chart;
+mod choice;
 mod description;
 mod details;
 mod geometry;

@@ -1,6 +1,6 @@
 //! One setting after the other: made several times, measured, and compared with the truth.
 
-use super::{lens, truth, truth::Truth};
+use super::{truth, truth::Truth};
 use crate::{
     domain::{
         Error, ErrorKind, Result,
@@ -15,7 +15,7 @@ use crate::{
     jobs::{
         WorkContext, bumps, images,
         inputs::{self, Inputs},
-        looks,
+        lens, looks,
         plans::{self, Plans},
         reliefs,
         render::{planned, refuse_projected_shadows},

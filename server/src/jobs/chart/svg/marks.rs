@@ -43,6 +43,8 @@ pub(super) fn mark(method: &str) -> Mark {
             Method::Exact => ("#d2402f", Star, true),
             Method::Displacement => ("#7a5fd3", Plus, true),
             Method::Vector => ("#7a5fd3", Cross, true),
+            // Never a point of its own: a chart marks the one that it chooses.
+            Method::Auto => ("#7f8791", Plus, false),
         };
         Mark { color, shape, filled }
     };
