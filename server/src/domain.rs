@@ -5,6 +5,7 @@ pub mod bump;
 pub mod camera;
 pub mod cancel;
 pub mod chart;
+pub mod choose;
 pub mod describe;
 pub mod detail;
 pub mod digest;
