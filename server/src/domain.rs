@@ -6,6 +6,7 @@ pub mod camera;
 pub mod cancel;
 pub mod chart;
 pub mod choice;
+pub mod choose;
 pub mod cost;
 pub mod describe;
 pub mod detail;
