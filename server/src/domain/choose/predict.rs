@@ -43,7 +43,7 @@ pub fn predict(method: Method, setting: Setting, view: &PatchView, facts: &Heigh
     let hides = patch.hides();
     match method {
         Method::Displacement => of(displaced::error_px(&patch, setting), false),
-        Method::Vector => of(f64::INFINITY, true),
+        Method::Vector | Method::Auto => of(f64::INFINITY, true),
         Method::Flat | Method::Bump | Method::Normal => of(patch.base_error_px(), hides),
         _ if !view.is_front => of(patch.base_error_px(), true),
         Method::Parallax => of(shifted::parallax_px(&patch), hides),

@@ -1,4 +1,6 @@
-//! What there is to show a material by, its predicted errors and cost.
+//! What there is to show a material by: each method that goes with it, its predicted errors and its cost.
+
+mod seen;
 
 use std::sync::Arc;
 
@@ -9,14 +11,17 @@ use crate::{
     domain::{
         Error, Result,
         choice::{self, Candidate, Picked},
-        cost::Work,
         detail::{Detail, LayerSource},
-        image::RenderCamera,
+        image::{AlphaMode, RenderCamera},
+        maps,
+        projection::Projection,
         relief::Relief,
-        request::RenderRequest,
+        request::{Base, RenderRequest},
+        scene::{Alpha, Scene},
     },
     jobs::inputs::Inputs,
 };
+use seen::Seen;
 
 /// One material with a detail, and what shows it.
 pub(super) struct Weighing {
@@ -31,6 +36,7 @@ pub(super) struct Weighing {
     pub(super) reason: String,
 }
 
+/// Of every material with a detail, those without a name last.
 pub(super) fn weigh(
     desk: Desk<'_>,
     inputs: &Inputs,
@@ -38,26 +44,117 @@ pub(super) fn weigh(
     camera: &RenderCamera,
     tolerance_px: f64,
 ) -> Result<Vec<Weighing>> {
-    let _ = (request, camera);
-    details(inputs)
-        .into_iter()
-        .map(|(material, detail)| {
-            let method = if is_vector(&detail) { Method::Vector } else { Method::Displacement };
-            let work = Work::default();
-            let displaced = Candidate {
-                method,
-                shell: false,
-                error_px: tolerance_px,
-                outline_px: tolerance_px,
-                cost_ms: desk.model.ms(&work),
-                work,
-            };
-            let candidates = vec![displaced];
-            let picked =
-                choice::pick(&candidates, tolerance_px).ok_or_else(|| Error::internal("nothing to choose from"))?;
-            Ok(Weighing { material, relief: None, candidates, picked, tolerance_px, reason: String::new() })
-        })
-        .collect()
+    let of = details(inputs);
+    let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
+    let mut all = Vec::with_capacity(of.len());
+    for ((material, detail), relief) in of.iter().zip(reliefs) {
+        desk.job.cancel.check()?;
+        let refused = refused(desk, &inputs.scene, request, *material, relief.as_ref());
+        let relief = relief.filter(|_| refused.is_none());
+        let seen = relief.as_deref().map(|relief| Seen::new(&inputs.scene, *material, relief, camera, request));
+        let candidates = candidates(desk, seen.as_ref(), is_vector(detail), tolerance_px);
+        let picked = picked(&candidates, tolerance_px)?;
+        let reason = refused.unwrap_or_default().into();
+        all.push(Weighing { material: *material, relief, candidates, picked, tolerance_px, reason });
+    }
+    agree_on_march(&mut all)?;
+    agree_on_motion(&inputs.scene, &mut all);
+    Ok(all)
+}
+
+fn picked(candidates: &[Candidate], tolerance_px: f64) -> Result<Picked> {
+    choice::pick(candidates, tolerance_px).ok_or_else(|| Error::internal("nothing to choose from"))
+}
+
+/// Why heights are not shown per pixel.
+fn refused(
+    desk: Desk<'_>,
+    scene: &Scene,
+    request: &RenderRequest,
+    material: Option<usize>,
+    relief: Option<&Arc<Relief>>,
+) -> Option<&'static str> {
+    let is_blended = material.is_some_and(|m| matches!(scene.materials[m].alpha, Alpha::Blend));
+    [
+        (relief.is_none(), "its detail is not one height map, so that triangles alone hold it"),
+        (
+            request.surface.maps.projection != Projection::Uv,
+            "maps are projected, and heights per pixel are read at texture coordinates",
+        ),
+        (
+            request.surface.geometry.base != Base::Flat,
+            "the base is curved, and errors per pixel are predicted over flat triangles",
+        ),
+        (desk.traces_rays && request.rays().is_some(), "samples are rays, which meet triangles"),
+        (is_blended && request.look.alpha == AlphaMode::Blend, "it is blended, and heights per pixel are not"),
+    ]
+    .into_iter()
+    .find_map(|(applies, reason)| applies.then_some(reason))
+}
+
+/// Triangles always; what shows heights otherwise where it is known how they look.
+fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, tolerance_px: f64) -> Vec<Candidate> {
+    let method = if is_vector { Method::Vector } else { Method::Displacement };
+    let of = |method: Method, shell: bool, [error_px, outline_px]: [f64; 2]| {
+        let work = seen.map(|seen| seen.work(method, shell, tolerance_px)).unwrap_or_default();
+        Candidate { method, shell, error_px, outline_px, cost_ms: desk.model.ms(&work), work }
+    };
+    let mut all = vec![of(method, false, [tolerance_px; 2])];
+    let Some(seen) = seen else { return all };
+    for method in [Method::Bump, Method::Parallax, Method::ParallaxIterative, Method::Exact] {
+        all.push(of(method, false, seen.predicted(method, false)));
+    }
+    all.push(of(Method::Exact, true, seen.predicted(Method::Exact, true)));
+    all
+}
+
+/// An image has one method that marches, and outlines for all of it or none: where materials differ, exact is what all take.
+fn agree_on_march(all: &mut [Weighing]) -> Result<()> {
+    let marched = |w: &Weighing| Some(w.chosen()).filter(|c| c.method.marcher().is_some()).map(|c| (c.method, c.shell));
+    let mut kinds: Vec<(Method, bool)> = Vec::new();
+    for kind in all.iter().filter_map(marched) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    if kinds.len() < 2 {
+        return Ok(());
+    }
+    let shell = kinds.iter().any(|(_, shell)| *shell);
+    for weighing in all.iter_mut().filter(|w| marched(w).is_some()) {
+        weighing.candidates.retain(|c| c.method.marcher().is_none() || (c.method, c.shell) == (Method::Exact, shell));
+        weighing.picked = picked(&weighing.candidates, weighing.tolerance_px)?;
+        weighing.reason = "materials of one image share the method that marches and how it shows outlines".into();
+    }
+    Ok(())
+}
+
+/// Where one material of a mesh is displaced all are: they share vertices.
+fn agree_on_motion(scene: &Scene, all: &mut [Weighing]) {
+    let together = |mesh: usize, w: &Weighing| {
+        scene.meshes[mesh].mesh.primitives.iter().any(|primitive| primitive.material == w.material)
+    };
+    // What one mesh forces on a material another may have to follow.
+    for _ in 0..all.len() {
+        for mesh in 0..scene.meshes.len() {
+            let moves = |w: &Weighing| together(mesh, w) && w.chosen().method.moves_vertices();
+            if !all.iter().any(moves) {
+                continue;
+            }
+            for weighing in all.iter_mut().filter(|w| together(mesh, w) && !w.chosen().method.moves_vertices()) {
+                weighing.displace("another material of its mesh is displaced, and they share vertices");
+            }
+        }
+    }
+}
+
+impl Weighing {
+    fn displace(&mut self, reason: &str) {
+        let displaced = self.candidates.iter().position(|c| c.method.moves_vertices()).unwrap_or(0);
+        let before = self.picked.chosen;
+        self.picked = Picked { chosen: displaced, next_better: None, next_cheaper: Some(before) };
+        self.reason = reason.into();
+    }
 }
 
 /// Of each material that is shown and has one.
@@ -79,8 +176,6 @@ fn details(inputs: &Inputs) -> Vec<(Option<usize>, Arc<Detail>)> {
 }
 
 fn is_vector(detail: &Detail) -> bool {
-    detail
-        .layers
-        .iter()
-        .any(|layer| matches!(layer.source, LayerSource::VectorTangent(_) | LayerSource::VectorObject(_)))
+    let holds = |source: &LayerSource| matches!(source, LayerSource::VectorTangent(_) | LayerSource::VectorObject(_));
+    detail.layers.iter().any(|layer| holds(&layer.source))
 }
