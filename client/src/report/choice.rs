@@ -22,12 +22,12 @@ pub(super) fn json(choice: &Choice) -> Value {
 }
 
 fn option_json(option: &MethodOption) -> Value {
-    let MethodOption { pixels, fetches, vertices, triangles, .. } = option;
+    let MethodOption { pixels, rays, fetches, vertices, triangles, .. } = option;
     let mut value = json!({
         "method": option.method,
         "setting": option.setting,
         "cost": {
-            "ms": option.cost_ms, "pixels": pixels, "fetches": fetches, "vertices": vertices, "triangles": triangles,
+            "ms": option.cost_ms, "pixels": pixels, "rays": rays, "fetches": fetches, "vertices": vertices, "triangles": triangles,
         },
     });
     put(&mut value, "predicted", option.predicted_px);

@@ -30,6 +30,11 @@ const TEXELS: u32 = 64;
 const PIXELS: u32 = 192;
 /// Runs of each image, the fastest of which counts: the first may wait for what is compiled.
 const RUNS: usize = 3;
+/// Of the map, world units: one that rays hardly travel in, and one that they do.
+const LOW: f32 = 0.01;
+const HIGH: f32 = 0.6;
+/// Of its triangles, world units.
+const TOLERANCE: f64 = 0.01;
 /// Passes that no method is charged with: they are made once, however many images follow.
 const ONCE: [&str; 5] = ["compile", "mip", "cone_map", "brdf_table", "brdf_averages"];
 
@@ -51,6 +56,7 @@ pub(super) fn of(context: &WorkContext<'_>) -> Result<CostModel> {
 struct Took {
     geometry_ms: f64,
     image_ms: f64,
+    rays: f64,
     fetches: f64,
     vertices: f64,
     triangles: f64,
@@ -58,17 +64,22 @@ struct Took {
 
 fn measured(context: &WorkContext<'_>) -> Result<CostModel> {
     let plane = Plane::new()?;
-    let run = |method: Method, refinement: Refinement| plane.fastest(context, method, &refinement);
-    let flat = run(Method::Flat, Refinement::Uniform(0))?;
-    let marched = run(Method::Exact, Refinement::Uniform(0))?;
-    let displaced = run(Method::Displacement, within(0.01))?;
+    let run = |method: Method, scale: f32, refinement: Refinement| plane.fastest(context, method, scale, &refinement);
+    let flat = run(Method::Flat, HIGH, Refinement::Uniform(0))?;
+    let [low, high] =
+        [run(Method::Exact, LOW, Refinement::Uniform(0))?, run(Method::Exact, HIGH, Refinement::Uniform(0))?];
+    let displaced = run(Method::Displacement, HIGH, within(TOLERANCE))?;
     let ns = |ms: f64, count: f64| 1e6 * ms / count.max(1.0);
+    // The same rays, so that what the higher map takes more its lookups do.
+    let fetch_ns = ns(high.image_ms - low.image_ms, high.fetches - low.fetches);
+    let ray_ns = ns(high.image_ms - flat.image_ms - 1e-6 * fetch_ns * high.fetches, high.rays);
     let more_ms = (displaced.geometry_ms + displaced.image_ms - flat.image_ms).max(0.0);
     let made = displaced.vertices + displaced.triangles;
     let of_geometry = ns(more_ms, made);
     Ok(CostModel {
         pixel_ns: rounded(ns(flat.image_ms, f64::from(PIXELS * PIXELS))),
-        fetch_ns: rounded(ns(marched.image_ms - flat.image_ms, marched.fetches)),
+        ray_ns: rounded(ray_ns),
+        fetch_ns: rounded(fetch_ns),
         vertex_ns: rounded(of_geometry),
         triangle_ns: rounded(of_geometry),
     })
@@ -106,8 +117,8 @@ impl Plane {
         Ok(Self { assets: [(mesh_name, mesh), (map_name, map)].into(), mesh: mesh_name, map: map_name })
     }
 
-    fn fastest(&self, context: &WorkContext<'_>, method: Method, refinement: &Refinement) -> Result<Took> {
-        let request = self.request(method, refinement.clone());
+    fn fastest(&self, context: &WorkContext<'_>, method: Method, scale: f32, refinement: &Refinement) -> Result<Took> {
+        let request = self.request(method, scale, refinement.clone());
         let runs: Vec<Took> = (0..RUNS).map(|_| self.run(context, &request)).collect::<Result<_>>()?;
         let all_ms = |took: &Took| took.geometry_ms + took.image_ms;
         let fastest = runs.into_iter().min_by(|a, b| all_ms(a).total_cmp(&all_ms(b)));
@@ -133,17 +144,18 @@ impl Plane {
         Ok(Took {
             geometry_ms: sum(&times),
             image_ms: sum(&passes),
+            rays: images.counters.map_or(0.0, |counters| counters.rays as f64),
             fetches: images.counters.map_or(0.0, |counters| counters.fetches as f64),
             vertices,
             triangles,
         })
     }
 
-    fn request(&self, method: Method, refinement: Refinement) -> RenderRequest {
+    fn request(&self, method: Method, scale: f32, refinement: Refinement) -> RenderRequest {
         let map = MapRequest { asset: self.map, wrap: None, sampling: crate::domain::detail::Sampling::Center };
         let layer = LayerRequest {
             source: SourceRequest::Height { map, channel: Channel::R },
-            scale: 0.2,
+            scale,
             midlevel: None,
             invert_height: false,
             flip_v: false,

@@ -24,6 +24,7 @@ fn to_option(weighed: &Weighed) -> v1::MethodOption {
         predicted_outline_px: weighed.predicted_outline_px,
         cost_ms: weighed.cost_ms,
         pixels: weighed.work.pixels,
+        rays: weighed.work.rays,
         fetches: weighed.work.fetches,
         vertices: weighed.work.vertices,
         triangles: weighed.work.triangles,

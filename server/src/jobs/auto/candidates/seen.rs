@@ -20,6 +20,8 @@ use crate::domain::{
 
 /// Samples of a pixel, each of which is marched.
 const SAMPLES: f64 = 4.0;
+/// Rays of a sample through prisms, of which it meets more than one.
+const SHELL_RAYS: f64 = 2.0;
 /// Triangles of a square that is split no further, after collapsing.
 const TRIANGLES: f64 = 1.2;
 /// Turns of splitting a patch into four that are counted.
@@ -69,7 +71,7 @@ impl<'a> Seen<'a> {
         self.request.look.shadows != Shadows::None && !(marches && self.request.look.shadows == Shadows::Map)
     }
 
-    pub(super) fn work(&self, method: Method, _shell: bool, tolerance_px: f64) -> Work {
+    pub(super) fn work(&self, method: Method, shell: bool, tolerance_px: f64) -> Work {
         let image = f64::from(self.request.width) * f64::from(self.request.height);
         let covered: f64 = self.patches.iter().filter(|patch| patch.is_front).map(|patch| patch.area_px).sum();
         let work = Work { pixels: covered.min(image), ..Work::default() };
@@ -80,8 +82,10 @@ impl<'a> Seen<'a> {
         if method.marcher().is_none() {
             return work;
         }
-        let fetches = |patch: &PatchView| patch.area_px * SAMPLES * self.fetches(method, patch);
-        Work { fetches: self.patches.iter().map(fetches).sum(), ..work }
+        let rays = work.pixels * SAMPLES * if shell { SHELL_RAYS } else { 1.0 };
+        let share = rays / covered.max(f64::MIN_POSITIVE);
+        let fetches = |patch: &PatchView| patch.area_px * share * self.fetches(method, patch);
+        Work { rays, fetches: self.patches.iter().map(fetches).sum(), ..work }
     }
 
     fn fetches(&self, method: Method, patch: &PatchView) -> f64 {
