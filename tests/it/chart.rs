@@ -136,12 +136,14 @@ fn is_same(text: &str, number: &Value) -> bool {
 }
 
 #[test]
-fn the_drawing_is_xml_with_a_mark_for_each_point() {
+fn the_drawing_is_xml_with_a_mark_for_each_point_and_error() {
     let rock = rock();
     let text = rock.text("chart.svg");
     let svg = roxmltree::Document::parse(&text).expect("well-formed XML");
     let links: Vec<&str> = svg.descendants().filter_map(|node| node.attribute("href")).collect();
-    assert_eq!(links.len(), rock.points().len());
+    let errors = ["flip_mean", "hit_error_px", "silhouette_xor_px"];
+    let known = |point: &Value| errors.iter().filter(|error| point.get(**error).is_some()).count();
+    assert_eq!(links.len(), rock.points().iter().map(known).sum::<usize>());
     assert!(links.iter().all(|link| rock.folder.join(link).is_file()), "{links:?}");
 }
 

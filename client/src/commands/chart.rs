@@ -145,6 +145,8 @@ fn point_json(point: &ChartPoint) -> Value {
     put("ms_spread", point.ms_spread.map(Value::from));
     put("silhouette_xor_px", error.silhouette_xor_px.map(Value::from));
     put("hit_error_px", error.hit_error_px.map(Value::from));
+    put("predicted_px", point.predicted_px.map(Value::from));
+    put("chosen", point.chosen.then(|| Value::from(true)));
     let counters = point.counters.as_ref();
     put(
         "counters",
@@ -162,10 +164,14 @@ fn metric_name(metric: ChartMetric) -> &'static str {
     }
 }
 
-/// The settings that no other beats, fastest first.
+/// Where the table has it.
+fn is_told(point: &ChartPoint) -> bool {
+    point.chosen || point.fronts().any(|metric| metric == ChartMetric::Flip || metric == ChartMetric::HitPx)
+}
+
+/// The settings that no other beats and the automatic choice, fastest first.
 fn words(report: &Report, chart: &ChartReport, folder: &Path) -> String {
-    let mut front: Vec<&ChartPoint> =
-        chart.points.iter().filter(|p| p.fronts().any(|m| m == ChartMetric::Flip || m == ChartMetric::HitPx)).collect();
+    let mut front: Vec<&ChartPoint> = chart.points.iter().filter(|point| is_told(point)).collect();
     front.sort_by(|a, b| a.ms.total_cmp(&b.ms));
     let mut text = format!(
         "{} settings at {} x {} pixels on {}; none is as fast and nearer than these:\n\n{:<22} {:>12} {:>10} {:>9} {:>9} {:>12}  front\n",
@@ -203,6 +209,7 @@ fn row(point: &ChartPoint) -> String {
             ChartMetric::HitPx => Some("hit"),
             _ => None,
         })
+        .chain(point.chosen.then_some("auto"))
         .collect();
     format!(
         "{:<22} {:>12} {:>10} {:>9.5} {:>9} {:>12}  {}\n",

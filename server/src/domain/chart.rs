@@ -169,6 +169,24 @@ pub struct Chart {
     pub points: Vec<Point>,
 }
 
+impl Chart {
+    /// The automatic choice, where one was made.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Point> {
+        self.points.iter().find(|point| point.chosen)
+    }
+
+    /// How many times as long the automatic choice takes as the fastest setting that is as near: 1 on the front.
+    #[must_use]
+    pub fn times_front(&self, metric: Metric) -> Option<f64> {
+        let chosen = self.chosen()?;
+        let error = metric.of(&chosen.error)?;
+        let is_as_near = |point: &&Point| metric.of(&point.error).is_some_and(|other| other <= error);
+        let fastest = self.points.iter().filter(is_as_near).map(|point| point.ms).min_by(f64::total_cmp)?;
+        Some(if fastest > 0.0 { chosen.ms / fastest } else { 1.0 })
+    }
+}
+
 /// One setting that made an image.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
@@ -195,6 +213,12 @@ pub struct Point {
     pub error: Comparison,
     /// Those that it is on.
     pub fronts: Vec<Metric>,
+    /// At most as many pixels of hit error, before anything is drawn; absent where no bound is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predicted_px: Option<f64>,
+    /// Whether the automatic choice is this one; of all points one at most.
+    #[serde(default)]
+    pub chosen: bool,
 }
 
 impl Point {

@@ -10,7 +10,7 @@ mod truth;
 use super::{Output, Work, WorkContext, WorkOutput, render::image_bytes, work::canonical};
 use crate::domain::{
     Error, ErrorKind, Result,
-    chart::{Candidate, Chart, ChartRequest, LeftOut, Metric},
+    chart::{Candidate, Chart, ChartRequest, LeftOut},
     report::{Report, Warning},
 };
 use sweep::{Shown, Sweep};
@@ -127,7 +127,7 @@ fn documents(chart: &Chart, warnings: &[Warning]) -> Result<Vec<Output>> {
     let made = [
         ("chart.csv", "text/csv", table::csv(chart)),
         ("chart.json", "application/json", table::json(chart, warnings)?),
-        ("chart.svg", "image/svg+xml", svg::document(chart, Metric::Flip)),
+        ("chart.svg", "image/svg+xml", svg::document(chart)),
         ("index.html", "text/html", page::html(chart, warnings)),
     ];
     let output = |(name, media_type, text): (&str, &str, String)| Output {

@@ -121,6 +121,8 @@ fn to_point(point: &Point) -> v1::ChartPoint {
         runs: point.runs,
         error: Some(to_comparison(&point.error)),
         fronts: point.fronts.iter().map(|metric| to_metric(*metric).into()).collect(),
+        predicted_px: point.predicted_px,
+        chosen: point.chosen,
     }
 }
 

@@ -1,4 +1,4 @@
-//! The page: both charts, what is seen of the point under the pointer or the focus, and a table of all. It lies beside
+//! The page: the charts, what is seen of the point under the pointer or the focus, and a table of all. It lies beside
 //! its images and asks nothing of a network.
 
 use std::fmt::Write as _;
@@ -13,12 +13,11 @@ use crate::domain::{
 
 const STYLE: &str = include_str!("page/style.css");
 const SCRIPT: &str = include_str!("page/script.js");
-const CHARTED: [Metric; 2] = [Metric::Flip, Metric::HitPx];
 
 pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
     let mut page = head(chart);
     page += "<div class=\"board\">\n<div>\n";
-    for metric in CHARTED {
+    for metric in svg::known(chart) {
         let _ = writeln!(page, "<div class=\"chart\">{}</div>", svg::element(chart, metric));
     }
     page += "</div>\n";
@@ -49,16 +48,17 @@ fn head(chart: &Chart) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <title>Speed against accuracy: {title}</title>\n<style>\n{STYLE}</style>\n<main>\n<h1>Speed against accuracy: {title}</h1>\n\
          <p>{} settings on {device}{driver}, {width} x {height} pixels, each against the surface itself by {truth_samples} rays a pixel. \
-         Lower is nearer, left is faster; no setting lies below and left of the dashed line. Point at one, or reach it by Tab, to see \
+         Lower is nearer, left is faster; no setting lies below and left of the dashed line. {}Point at one, or reach it by Tab, to see \
          what it shows.</p>\n",
-        points.len()
+        points.len(),
+        if chart.chosen().is_some() { "The star is the automatic choice. " } else { "" },
     )
 }
 
-/// As it is before anything is pointed at: the nearest by FLIP.
+/// As it is before anything is pointed at: the automatic choice, else the nearest by FLIP.
 fn seen(chart: &Chart) -> String {
-    let nearest = chart.points.iter().min_by(|a, b| a.error.flip_mean.total_cmp(&b.error.flip_mean));
-    let Some(point) = nearest else { return String::new() };
+    let nearest = || chart.points.iter().min_by(|a, b| a.error.flip_mean.total_cmp(&b.error.flip_mean));
+    let Some(point) = chart.chosen().or_else(nearest) else { return String::new() };
     let (name, label) = (escaped(&point.name), escaped(&point.label()));
     let mut list = String::new();
     for [term, told] in figures(point) {
@@ -91,7 +91,9 @@ fn figures(point: &Point) -> Vec<[String; 2]> {
     let mut figures: Vec<[String; 2]> = known.map(|pair| pair.map(str::to_owned)).into();
     let mut more = |name: &str, told: Option<String>| figures.extend(told.map(|told| [name.to_owned(), told]));
     more("hit error", error.hit_error_px.map(|px| format!("{} px", rounded(px))));
+    more("hit error predicted, at most", point.predicted_px.map(|px| format!("{} px", rounded(px))));
     more("outline error", error.silhouette_xor_px.map(|px| format!("{px} px")));
+    more("chosen", point.chosen.then(|| "automatically".to_owned()));
     more("fetches a ray", point.counters.map(|c| format!("{:.1}", c.fetches as f64 / c.rays.max(1) as f64)));
     figures
 }
@@ -104,7 +106,8 @@ fn table(chart: &Chart) -> String {
     html += "</tr></thead>\n<tbody>\n";
     for (k, point) in chart.points.iter().enumerate() {
         let [name, label] = [&point.name, &point.label()].map(|text| escaped(text));
-        let _ = write!(html, "<tr data-point=\"{k}\"><td><a href=\"{name}.png\">{label}</a></td>");
+        let star = if point.chosen { "<span class=\"star\" title=\"the automatic choice\">★</span> " } else { "" };
+        let _ = write!(html, "<tr data-point=\"{k}\"><td>{star}<a href=\"{name}.png\">{label}</a></td>");
         for cell in cells(point) {
             let _ = write!(html, "<td>{cell}</td>");
         }
@@ -113,7 +116,7 @@ fn table(chart: &Chart) -> String {
     html + "</tbody>\n</table></div>\n"
 }
 
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 15] = [
     "setting",
     "triangles",
     "fetches a ray",
@@ -126,6 +129,7 @@ const COLUMNS: [&str; 14] = [
     "FLIP",
     "FLIP p99",
     "hit px",
+    "predicted px",
     "outline px",
     "front",
 ];
@@ -147,6 +151,7 @@ fn cells(point: &Point) -> [String; COLUMNS.len() - 1] {
         rounded(error.flip_mean),
         rounded(error.flip_p99),
         or_dash(error.hit_error_px.map(rounded)),
+        or_dash(point.predicted_px.map(rounded)),
         or_dash(error.silhouette_xor_px.map(|px| px.to_string())),
         fronts.join(", "),
     ]

@@ -194,6 +194,8 @@ impl<'a> Sweep<'a> {
             runs: runs.took.len() as u32,
             error,
             fronts: Vec::new(),
+            predicted_px: None,
+            chosen: false,
         };
         let difference = encode::encode_rgb8(differences.width, differences.height, &differences.colors())?;
         let took_ms = all_of(&runs.took);

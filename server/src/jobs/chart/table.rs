@@ -15,22 +15,27 @@ const COLUMNS: &str = "method,setting,triangles,fetches,ms,ms_spread,error,metri
 /// A row for each point and metric (RFC 4180, lines that end in LF). What is not known is empty.
 pub(super) fn csv(chart: &Chart) -> String {
     let mut text = format!("{COLUMNS}\n");
+    let is_chosen = |point: &Point| chart.chosen().map(|_| point.chosen);
     for point in &chart.points {
         for metric in Metric::ALL {
-            row(&mut text, point, metric);
+            row(&mut text, point, metric, is_chosen(point));
         }
     }
     text
 }
 
-fn row(text: &mut String, point: &Point, metric: Metric) {
+/// `chosen` is not known where nothing was chosen, and of the errors hits alone are predicted.
+fn row(text: &mut String, point: &Point, metric: Metric, chosen: Option<bool>) {
     let Point { triangles, ms, .. } = point;
     let (method, setting) = (field(&point.method), field(&point.setting));
     let fetches = known(point.counters.map(|counters| counters.fetches));
     let (spread, error) = (known(point.ms_spread), known(metric.of(&point.error)));
-    let (metric, pareto) = (metric.name(), point.fronts.contains(&metric));
-    // Neither predicted nor chosen.
-    let _ = writeln!(text, "{method},{setting},{triangles},{fetches},{ms},{spread},{error},{metric},,{pareto},");
+    let predicted = known(point.predicted_px.filter(|_| metric == Metric::HitPx));
+    let (metric, pareto, chosen) = (metric.name(), point.fronts.contains(&metric), known(chosen));
+    let _ = writeln!(
+        text,
+        "{method},{setting},{triangles},{fetches},{ms},{spread},{error},{metric},{predicted},{pareto},{chosen}"
+    );
 }
 
 fn known<T: ToString>(value: Option<T>) -> String {
@@ -77,6 +82,17 @@ mod tests {
         assert_eq!(lines[4], "flat,,0,,0,0.5,0,flip,,false,");
         assert_eq!(lines.len(), 7);
         assert!(lines.iter().all(|line| line.matches(',').count() == COLUMNS.matches(',').count()));
+    }
+
+    #[test]
+    fn what_was_predicted_and_chosen_is_told() {
+        let chosen = Point { method: "exact".into(), predicted_px: Some(0.5), chosen: true, ..Point::default() };
+        let text = csv(&Chart { points: vec![chosen, Point::default()], ..Chart::default() });
+        let ends: Vec<&str> =
+            text.lines().skip(1).map(|line| line.split_once(",0,").map_or(line, |(_, end)| end)).collect();
+        assert_eq!(ends[0], ",0,,0,flip,,false,true");
+        assert_eq!(ends[1], ",0,,,hit_px,0.5,false,true");
+        assert_eq!(ends[4], ",0,,,hit_px,,false,false");
     }
 
     #[test]

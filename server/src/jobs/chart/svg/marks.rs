@@ -4,6 +4,8 @@ use displace_glsl::methods::Method;
 
 /// Radius, pixels.
 pub(super) const RADIUS: f64 = 5.5;
+/// Of the star around the automatic choice.
+pub(super) const HALO: f64 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mark {
@@ -76,6 +78,13 @@ impl Mark {
 
 fn square(r: f64) -> [[f64; 2]; 4] {
     [[-r, -r], [r, -r], [r, r], [-r, r]]
+}
+
+/// What the automatic choice has around it, as an SVG path.
+pub(super) fn halo([x, y]: [f64; 2]) -> String {
+    let corners = star(HALO, 0.62 * HALO);
+    let corners = corners.iter().map(|[dx, dy]| format!("{:.1} {:.1}", x + dx, y + dy));
+    format!("M{}Z", corners.collect::<Vec<_>>().join("L"))
 }
 
 /// Five points.
