@@ -9,6 +9,7 @@ mod look;
 mod measurement;
 mod relief;
 mod request;
+mod stability;
 mod tolerance;
 mod update;
 mod view;

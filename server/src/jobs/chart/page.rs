@@ -11,7 +11,7 @@ use crate::domain::{
     report::Warning,
 };
 
-const STYLE: &str = include_str!("page/style.css");
+pub(in crate::jobs) const STYLE: &str = include_str!("page/style.css");
 const SCRIPT: &str = include_str!("page/script.js");
 const CHARTED: [Metric; 2] = [Metric::Flip, Metric::HitPx];
 
@@ -179,7 +179,7 @@ fn grouped(number: u64) -> String {
 }
 
 /// For text and attributes of HTML and XML; what XML cannot hold becomes a question mark.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::jobs) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -1,8 +1,8 @@
 //! A chart as SVG: time across and error up, both logarithmic, the front as a line of steps.
 
-mod axis;
+pub(in crate::jobs) mod axis;
 mod labels;
-mod marks;
+pub(in crate::jobs) mod marks;
 
 use std::fmt::Write as _;
 
@@ -257,7 +257,7 @@ fn unit(metric: Metric) -> &'static str {
 }
 
 /// Three digits that count.
-pub(super) fn rounded(value: f64) -> String {
+pub(in crate::jobs) fn rounded(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }
