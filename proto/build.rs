@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 14] = [
+const PROTOS: [&str; 15] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
@@ -16,6 +16,7 @@ const PROTOS: [&str; 14] = [
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/comparison.proto",
+    "displace/v1/stability.proto",
     "displace/v1/chart.proto",
     "displace/v1/displacement.proto",
     "displace/v1/server.proto",

@@ -31,6 +31,7 @@ mod registry;
 mod reliefs;
 mod render;
 mod seams;
+mod stability;
 mod standard;
 mod statistics;
 mod strain;

@@ -10,6 +10,7 @@ const EXAMPLES: &str = "\
 Examples:
   displace chart wall.glb --height bricks.png --scale 0.05 -o chart && open chart/index.html
   displace chart wall.glb --height bricks.png --scale 0.05 --eye 0,1,3 --look-at 0,0,0 --size 512x512 -o chart
+  displace chart wall.glb --height bricks.png --scale 0.05 --stability -o stability && open stability/index.html
   displace chart wall.glb --height bricks.png --scale 0.05 -o chart --json | jq '.points[] | select(.fronts[] == \"flip\")'
 
 The truth is the surface itself by rays in f64. DIR gets index.html, chart.svg, chart.csv, chart.json and images.
@@ -35,6 +36,9 @@ pub(crate) struct ChartArgs {
     /// Rays a pixel of the truth, 1 to 1024
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Chart")]
     pub(crate) truth_samples: u32,
+    /// Look for where methods fail in place of what they take: breakdown points, curves, invariants
+    #[arg(long, conflicts_with_all = ["repeats", "truth_samples"], help_heading = "Chart")]
+    pub(crate) stability: bool,
     /// Folder to write to; made when missing
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     pub(crate) output: PathBuf,

@@ -1,4 +1,6 @@
-//! `displace chart`: time against error of every method, in a folder with a page that shows it.
+//! `displace chart`: time against error of every method, or where methods fail, in a folder with a page that shows it.
+
+mod stability;
 
 use std::{
     fmt::Write as _,
@@ -38,6 +40,10 @@ pub(super) async fn run(
     let mut report = result.report.unwrap_or_default();
     report.warnings.extend(report::conversion_warnings(&parcel.notes));
     let chart = report.chart.as_ref().ok_or_else(|| Error::internal("the server's report holds no chart"))?;
+    if let Some(found) = &chart.stability {
+        let json = stability::as_json(&report, chart, found, &written);
+        return terminal.report(&json, &stability::words(&report, found, &folder));
+    }
     terminal.report(&as_json(&report, chart, &written), &words(&report, chart, &folder))
 }
 
@@ -67,7 +73,7 @@ async fn request(session: &Session, args: &ChartArgs, matches: &ArgMatches) -> R
         ..RenderRequest::default()
     };
     let (repeats, truth_samples) = (Some(args.repeats), Some(args.truth_samples));
-    Ok((ChartRequest { render: Some(render), repeats, truth_samples }, parcel))
+    Ok((ChartRequest { render: Some(render), repeats, truth_samples, stability: args.stability }, parcel))
 }
 
 fn folder(path: &Path) -> Result<PathBuf> {

@@ -26,6 +26,8 @@ pub struct ChartRequest {
     pub candidates: Vec<Candidate>,
     /// The others.
     pub left_out: Vec<LeftOut>,
+    /// Where methods fail is asked for, in place of what they take.
+    pub stability: bool,
 }
 
 /// A setting that a request does not go with.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement};
+use super::{chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement, stability::Stability};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -41,6 +41,9 @@ pub struct Report {
     /// What `chart` found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chart: Option<Chart>,
+    /// What `chart` found where it was asked for stability.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,

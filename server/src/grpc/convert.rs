@@ -10,6 +10,7 @@ mod look;
 mod measurement;
 mod relief;
 mod request;
+mod stability;
 mod tolerance;
 mod update;
 mod view;

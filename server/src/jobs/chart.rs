@@ -1,8 +1,8 @@
 //! The job that charts time against error: the truth, then every setting of every method beside it.
 
-mod page;
+pub(super) mod page;
 mod pareto;
-mod svg;
+pub(super) mod svg;
 mod sweep;
 mod table;
 mod truth;
@@ -101,7 +101,7 @@ impl ChartWork {
 }
 
 /// What a setting cannot help, and what would be the same for all others.
-fn ends_the_job(error: &Error) -> bool {
+pub(super) fn ends_the_job(error: &Error) -> bool {
     use ErrorKind::{Busy, Cancelled, DataLoss, Missing, Unavailable};
     matches!(error.kind, Cancelled | Unavailable | DataLoss | Missing(_) | Busy { .. })
 }

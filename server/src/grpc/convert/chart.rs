@@ -20,6 +20,7 @@ const DEFAULT_REPEATS: u32 = 3;
 const MOST_REPEATS: u32 = 100;
 
 pub(crate) fn chart(request: v1::ChartRequest, config: &Config) -> Result<ChartRequest> {
+    let stability = request.stability;
     let render = request.render.ok_or_else(|| Error::invalid("render", "is required"))?;
     refuse_what_is_charted("render", &render)?;
     let repeats = within("repeats", request.repeats, DEFAULT_REPEATS, MOST_REPEATS)?;
@@ -33,7 +34,7 @@ pub(crate) fn chart(request: v1::ChartRequest, config: &Config) -> Result<ChartR
             Err(error) => left_out.push(LeftOut { candidate, reason: error.to_string() }),
         }
     }
-    Ok(ChartRequest { truth, repeats, candidates, left_out })
+    Ok(ChartRequest { truth, repeats, candidates, left_out, stability })
 }
 
 fn within(field: &str, asked: Option<u32>, default: u32, most: u32) -> Result<u32> {
@@ -101,6 +102,7 @@ pub(super) fn to_chart(chart: &Chart) -> v1::ChartReport {
         truth_samples: chart.truth_samples,
         truth_ms: chart.truth_ms,
         driver: chart.driver.clone(),
+        stability: None,
     }
 }
 

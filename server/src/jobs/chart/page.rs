@@ -11,7 +11,7 @@ use crate::domain::{
     report::Warning,
 };
 
-const STYLE: &str = include_str!("page/style.css");
+pub(in crate::jobs) const STYLE: &str = include_str!("page/style.css");
 const SCRIPT: &str = include_str!("page/script.js");
 
 pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
@@ -184,7 +184,7 @@ fn grouped(number: u64) -> String {
 }
 
 /// For text and attributes of HTML and XML; what XML cannot hold becomes a question mark.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::jobs) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -1,10 +1,10 @@
 //! A chart as SVG: time across and error up, both logarithmic, the front as a line of steps, the automatic choice as a star.
 
-mod axis;
+pub(in crate::jobs) mod axis;
 mod drawn;
 mod frame;
 mod labels;
-mod marks;
+pub(in crate::jobs) mod marks;
 
 use super::page::escaped;
 use crate::domain::chart::{Chart, Metric, Point};
@@ -112,7 +112,7 @@ fn what(metric: Metric) -> &'static str {
 }
 
 /// Three digits that count.
-pub(super) fn rounded(value: f64) -> String {
+pub(in crate::jobs) fn rounded(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }

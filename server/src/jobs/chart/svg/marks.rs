@@ -8,10 +8,10 @@ pub(super) const RADIUS: f64 = 5.5;
 pub(super) const HALO: f64 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mark {
-    pub(super) color: &'static str,
+pub(in crate::jobs) struct Mark {
+    pub(in crate::jobs) color: &'static str,
     shape: Shape,
-    pub(super) filled: bool,
+    pub(in crate::jobs) filled: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ enum Shape {
 }
 
 /// Colours that stand out from white and from near black.
-pub(super) fn mark(method: &str) -> Mark {
+pub(in crate::jobs) fn mark(method: &str) -> Mark {
     use Shape::{Circle, Cross, Diamond, Down, Left, Plus, Square, Star, Up};
     let of = |method: Method| {
         let (color, shape, filled) = match method {
@@ -56,7 +56,7 @@ pub(super) fn mark(method: &str) -> Mark {
 
 impl Mark {
     /// The outline around (x, y), as an SVG path.
-    pub(super) fn path(&self, x: f64, y: f64) -> String {
+    pub(in crate::jobs) fn path(&self, x: f64, y: f64) -> String {
         let r = RADIUS;
         let polygon = |corners: &[[f64; 2]]| {
             let corners = corners.iter().map(|[dx, dy]| format!("{:.1} {:.1}", x + dx, y + dy));
