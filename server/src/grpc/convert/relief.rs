@@ -143,8 +143,9 @@ fn check_look(path: &str, look: ReliefLook, method: Method) -> Result<()> {
 
 fn refuse_cost(path: &str, request: &RenderRequest) -> Result<()> {
     let Some(n) = request.aovs.iter().position(|aov| *aov == Aov::Cost) else { return Ok(()) };
+    let does_not = if request.surface.method == Method::Auto { "may choose another" } else { "does not" };
     let message = format!(
-        "cost is of methods that show heights per pixel, and {} does not: leave it out, or take such a method, as --method exact",
+        "cost is of methods that show heights per pixel, and {} {does_not}: leave it out, or take such a method, as --method exact",
         request.surface.method.name()
     );
     Err(Error::unsupported(join(path, &format!("aovs[{n}]")), message))
