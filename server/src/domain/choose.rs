@@ -9,6 +9,7 @@
 //! Nothing is traced: facts take time and memory that grow as the texels, and a patch takes as much as the blocks of the map
 //! that it borders on.
 
+pub mod cost;
 pub mod facts;
 mod greatest;
 mod lay;

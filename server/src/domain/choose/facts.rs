@@ -21,7 +21,7 @@ pub struct Window {
     pub high: DVec2,
 }
 
-/// All heights are mesh-local units, all slopes heights for each texel. Made once for a map; about 40 bytes a texel.
+/// All heights are mesh-local units, all slopes heights for each texel. Made once for a map; about 50 bytes a texel.
 #[derive(Clone, Debug)]
 pub struct HeightFacts {
     size: [usize; 2],
@@ -148,7 +148,36 @@ impl HeightFacts {
     #[must_use]
     pub fn residual(&self, window: &Window, size: DVec2) -> f64 {
         let [low, high] = self.heights(window);
-        self.residuals.over(self, window, size).min(high - low).min(self.change(window, size))
+        // Weights that sum to a place are off it by half the size at most, on average.
+        let by_slopes = 0.5 * self.slopes(window).dot(size);
+        self.residuals.over(self, window, size).min(high - low).min(by_slopes)
+    }
+
+    /// How far the heights are at most from a plane, `value` at `from` with this slope, over a box: by the corners of its cells.
+    #[must_use]
+    pub fn apart(&self, window: &Window, (from, value): (DVec2, f64), slope: DVec2) -> f64 {
+        let [first, last] = window.texels();
+        let places = (first.y..=last.y).flat_map(|y| (first.x..=last.x).map(move |x| IVec2::new(x, y)));
+        let apart = |at: IVec2| (self.levels[0].texel(at) - value - slope.dot(at.as_dvec2() - from)).abs();
+        places.map(apart).fold(0.0, f64::max)
+    }
+
+    /// The second differences' part of [`Self::residual`].
+    #[must_use]
+    pub fn bent(&self, window: &Window, size: DVec2) -> f64 {
+        self.residuals.of_seconds(self, window, size)
+    }
+
+    /// About how far they are from the best that is linear, over a square around a place.
+    #[must_use]
+    pub fn about(&self, place: DVec2, side: f64) -> f64 {
+        self.residuals.about(self, place, side)
+    }
+
+    /// Bilinear at full resolution.
+    #[must_use]
+    pub fn height(&self, place: DVec2) -> f64 {
+        self.levels[0].height(place)
     }
 
     /// How far the heights of a level, or of any finer one, are at most from those of the finest inside.
@@ -195,3 +224,6 @@ fn above(value: f64) -> f32 {
     let near = value as f32;
     if f64::from(near) < value { near.next_up() } else { near }
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,7 +61,7 @@ impl<'a> Lay<'a> {
         let (corners, texels) = (self.corners(t), self.texels(t)?);
         let normals = av.map(|av| vector(self.mesh.av_normal[av as usize]));
         let directions = av.map(|av| vector(self.mesh.gv_direction[self.mesh.av_gv[av as usize] as usize]));
-        let base = BaseTriangle::new(corners, normals, directions, Window::around(texels));
+        let base = BaseTriangle::new(corners, normals, directions, texels);
         Some(Patch { corners, normals, directions, texels, base, seam_distance: f64::INFINITY, is_rim: false })
     }
 
@@ -73,9 +73,10 @@ impl<'a> Lay<'a> {
 impl BaseTriangle {
     /// Of a triangle around which nothing bends and no chart ends.
     #[must_use]
-    pub fn new(corners: [DVec3; 3], normals: [DVec3; 3], directions: [DVec3; 3], window: Window) -> Self {
+    pub fn new(corners: [DVec3; 3], normals: [DVec3; 3], directions: [DVec3; 3], texels: [DVec2; 3]) -> Self {
         let longest_side = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
-        Self { window, longest_side, direction_rate: direction_rate(corners, normals, directions), bend_rate: 0.0 }
+        let direction_rate = direction_rate(corners, normals, directions);
+        Self { texels, window: Window::around(texels), longest_side, direction_rate, bend_rate: 0.0 }
     }
 }
 

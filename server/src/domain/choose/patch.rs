@@ -28,7 +28,9 @@ pub struct Patch {
 /// What a patch needs to know of the whole triangle and of what is around it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BaseTriangle {
-    /// Of the triangle on the map, texels.
+    /// Of its corners on the map, texels.
+    pub texels: [DVec2; 3],
+    /// Around them.
     pub window: Window,
     /// Of its sides.
     pub longest_side: f64,
@@ -82,6 +84,8 @@ pub struct PatchView {
     pub mitre: f64,
     /// The longest that a direction of heights is.
     pub longest_direction: f64,
+    /// How much longer than blended directions they are, where blended normals are short.
+    pub stretch: f64,
     /// Most texels of the finest level along the shorter axis of a sample's footprint.
     pub texels_per_sample: f64,
     /// Most texels of the map for each unit of length.
@@ -268,6 +272,7 @@ impl PatchView {
             w_rise: [least(w_ends.clone()), most(w_ends)],
             mitre,
             longest_direction: most(patch.directions.map(DVec3::length)) / shortest,
+            stretch: most(patch.directions.map(DVec3::length)) * (1.0 / shortest - 1.0),
             texels_per_sample: LEVEL_MARGIN * most((0..3).map(at_samples)),
             most_texels: 1.0 / singular(axes[0], axes[1])[0],
             w_rate: w_row.length(),

@@ -13,6 +13,7 @@ use super::{
 };
 use crate::domain::chart::Setting;
 use marched::Last;
+pub(super) use shifted::margin;
 
 /// Of one method on one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,7 @@ pub fn predict(method: Method, setting: Setting, view: &PatchView, facts: &Heigh
         Method::Parallax => of(shifted::parallax_px(&patch), hides),
         Method::ParallaxLimited => of(shifted::limited_px(&patch), hides),
         Method::ParallaxIterative => of(shifted::iterative_px(&patch), hides),
+        Method::Exact if setting == Setting::Shell => of(marched::shell_px(&patch), false),
         Method::Exact => of(marched::exact_px(&patch), false),
         Method::Steep => marched_by(&patch, setting, Last::Whole, of),
         Method::Occlusion => marched_by(&patch, setting, Last::Cut, of),
@@ -66,7 +68,7 @@ fn outline(patch: &Seen<'_>, setting: Setting) -> f64 {
     let Seen { view, .. } = patch;
     let most = patch.base_error_px();
     match setting {
-        Setting::Shell => marched::mitre_px(patch),
+        Setting::Shell => marched::shell_px(patch),
         Setting::TolerancePx(px) => px.min(most),
         Setting::Level(_) => displaced::error_px(patch, setting).min(most),
         _ if !(view.patch.is_rim || patch.hides()) || most < view.outline_distance_px => 0.0,

@@ -1,5 +1,5 @@
 //! How far a map is from affine (`methods.md` D.2): for blocks of growing size that overlap by half, a plane and the range
-//! of what is left; and, for what is smaller than a texel, how much slopes differ around it.
+//! of what is left; and second differences.
 //!
 //! Theorem: where h = a + e, a affine and e in [r-, r+], anything linear between places of h is within r+ - r- of h, since
 //! interpolation reproduces a and averages e. A bilinear map has its extremes of e at texels.
@@ -14,8 +14,8 @@ use crate::domain::choose::greatest::Greatest;
 pub(super) struct Residuals {
     /// Of blocks 2^(k + 1) cells wide, each 2^k from the one before: r+ - r-.
     levels: Vec<([usize; 2], Greatest)>,
-    /// By the first texel of 2 x 2 cells: how much slopes along u, and along v, differ.
-    kinks: [Greatest; 2],
+    /// Of texels: how much the slope changes there along u, and along v; of cells: their twist.
+    seconds: [Greatest; 3],
 }
 
 /// A plane around the middle of a block, and what is left of the heights.
@@ -46,15 +46,24 @@ impl Residuals {
             (of_blocks, blocks) = (next, above);
             levels.push((next, grid(next, &blocks)));
         }
-        let kinks = [0, 1].map(|axis| Greatest::new(size, places(size).map(|at| above(kink(map, at, axis))).collect()));
-        Self { levels, kinks }
+        let second = |kind: usize| Greatest::new(size, places(size).map(|at| above(second(map, at, kind))).collect());
+        Self { levels, seconds: [0, 1, 2].map(second) }
     }
 
     /// See [`HeightFacts::residual`].
     pub(super) fn over(&self, facts: &HeightFacts, window: &Window, size: DVec2) -> f64 {
-        let side = size.max_element();
-        let whole = self.of_blocks(facts, window, side);
-        if side > 1.0 { whole } else { whole.min(0.5 * self.kinks(facts, window).dot(size)) }
+        self.of_blocks(facts, window, size.max_element()).min(self.of_seconds(facts, window, size))
+    }
+
+    /// About how far the heights around a place are from the plane that fits them best, over a square of this side.
+    pub(super) fn about(&self, facts: &HeightFacts, place: DVec2, side: f64) -> f64 {
+        // Of blocks twice as wide as they are apart.
+        let level = ((0.5 * side).max(1.0).log2().round() as usize).min(self.levels.len() - 1);
+        let (size, grid) = &self.levels[level];
+        let width = 2f64.powi(level as i32);
+        let at = (place / width - 0.5).floor().as_ivec2();
+        let shrink = (side / (2.0 * width)).min(1.0);
+        0.5 * over(grid, *size, facts.repeats, at, at) * shrink * shrink
     }
 
     fn of_blocks(&self, facts: &HeightFacts, window: &Window, side: f64) -> f64 {
@@ -71,9 +80,25 @@ impl Residuals {
         over(grid, *size, facts.repeats, first, last)
     }
 
-    fn kinks(&self, facts: &HeightFacts, window: &Window) -> DVec2 {
-        let [first, last] = [window.low.floor().as_ivec2(), window.high.floor().as_ivec2()];
-        DVec2::from_array([0, 1].map(|k| over(&self.kinks[k], facts.size, facts.repeats, first, last)))
+    /// Of the difference to what is linear, h(x) - sum l_i h(x_i) with x = sum l_i x_i, a change of slope along u at a line
+    /// makes up at most a quarter of the size along u, all lines together an eighth of its square and that of one more; a
+    /// twist t at most t times the mean of |dx dy|, a quarter of the box.
+    pub(super) fn of_seconds(&self, facts: &HeightFacts, window: &Window, size: DVec2) -> f64 {
+        let lines = |s: f64| (s.ceil() * s / 4.0).min(s * s / 8.0 + s / 4.0);
+        let shares = [lines(size.x), lines(size.y), size.x * size.y / 4.0];
+        let (low, high) = (window.low.floor().as_ivec2(), window.high.ceil().as_ivec2());
+        // Lines on which slopes change lie inside; cells begin inside or before.
+        let (first, last) = (low + 1, high - 1);
+        let windows = [
+            [IVec2::new(first.x, low.y), IVec2::new(last.x, high.y)],
+            [IVec2::new(low.x, first.y), IVec2::new(high.x, last.y)],
+            [low, last.max(low)],
+        ];
+        let most = |grid: &Greatest, [first, last]: [IVec2; 2]| {
+            if first.cmpgt(last).any() { 0.0 } else { over(grid, facts.size, facts.repeats, first, last) }
+        };
+        let of = |k: usize| if shares[k] > 0.0 { most(&self.seconds[k], windows[k]) * shares[k] } else { 0.0 };
+        (0..3).map(of).sum()
     }
 }
 
@@ -82,17 +107,14 @@ fn grid(size: [usize; 2], blocks: &[Block]) -> Greatest {
     Greatest::new(size, blocks.iter().map(residual).collect())
 }
 
-/// Greatest less least slope along an axis in the 2 x 2 cells from a texel on.
-fn kink(map: &HeightLevel, at: IVec2, axis: usize) -> f64 {
-    let (along, across) = if axis == 0 { (IVec2::X, IVec2::Y) } else { (IVec2::Y, IVec2::X) };
-    let slope = |i: i32, j: i32| {
-        let from = at + along * i + across * j;
-        map.texel(from + along) - map.texel(from)
-    };
-    // Before the first texel of what is clamped all is level, and its last cells are those before them.
-    let start = if map.repeats[axis] { 0 } else { -1 };
-    let all = || (start..2).flat_map(|i| (0..3).map(move |j| slope(i, j)));
-    all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+/// |h(x - 1, y) - 2 h(x, y) + h(x + 1, y)|, the same along v, and |h(x, y) - h(x + 1, y) - h(x, y + 1) + h(x + 1, y + 1)|.
+fn second(map: &HeightLevel, at: IVec2, kind: usize) -> f64 {
+    let texel = |x: i32, y: i32| map.texel(at + IVec2::new(x, y));
+    match kind {
+        0 => (texel(-1, 0) - 2.0 * texel(0, 0) + texel(1, 0)).abs(),
+        1 => (texel(0, -1) - 2.0 * texel(0, 0) + texel(0, 1)).abs(),
+        _ => (texel(0, 0) - texel(1, 0) - texel(0, 1) + texel(1, 1)).abs(),
+    }
 }
 
 /// Blocks of one size.

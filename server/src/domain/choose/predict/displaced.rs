@@ -1,7 +1,10 @@
 //! Triangles that are displaced at their corners: how far they are from the heights between.
 
+mod grid;
+
 use super::Seen;
 use crate::domain::chart::Setting;
+use grid::Grid;
 
 /// Σ λᵢ (1 − λᵢ)² / 2 is at most this: the remainder of interpolation, over the largest second derivative between corners.
 const REMAINDER: f64 = 2.0 / 9.0;
@@ -23,7 +26,7 @@ fn level_px(patch: &Seen<'_>, level: u32) -> f64 {
     let side = base.window.size() / parts;
     let window = view.window.grown(side).within(&base.window);
     let heights = patch.facts.heights(&window);
-    let residual = patch.facts.residual(&window, side);
+    let residual = patch.facts.residual(&window, side).min(Grid::of(patch, parts).residual());
     let curved = curved(patch, base.direction_rate * base.longest_side / parts, heights)
         + patch.facts.change(&window, side) * base.direction_rate * base.longest_side / (3.0 * parts);
     let falls = heights.iter().flat_map(|h| view.w_rise.map(|w| h * w)).fold(0.0, f64::min);

@@ -79,9 +79,15 @@ fn beyond(patch: &Seen<'_>) -> f64 {
     if way >= patch.view.patch.seam_distance { high - low } else { 0.0 }
 }
 
-/// Prisms rise along normals, the surface along mitres.
-pub(super) fn mitre_px(patch: &Seen<'_>) -> f64 {
-    if patch.view.mitre > 0.0 { patch.off_px(0.0, patch.own) } else { 0.0 }
+/// Rays follow prisms along the directions themselves, which only are not made longer where normals blend.
+pub(super) fn shell_px(patch: &Seen<'_>) -> f64 {
+    let view = patch.view;
+    let [low, high] = patch.struck;
+    let height = low.abs().max(high.abs());
+    let off = patch.facts.level_error(&patch.window, patch.level) * view.longest_direction + height * view.stretch;
+    let w = view.least_w + patch.struck.iter().flat_map(|h| view.w_rise.map(|w| h * w)).fold(0.0, f64::min);
+    let w = w - off * view.w_rate;
+    if w > 0.0 { off * (view.rho + view.w_rate * patch.base_error_px()) / w } else { f64::INFINITY }
 }
 
 impl Seen<'_> {

@@ -12,7 +12,7 @@ const LEAST_MARGIN: f64 = 1.0 / 4096.0;
 const TURNS: i32 = 4;
 
 /// What a course leads over beyond all heights.
-pub(super) fn margin(view: &PatchView, [low, high]: [f64; 2]) -> f64 {
+pub(in crate::domain::choose) fn margin(view: &PatchView, [low, high]: [f64; 2]) -> f64 {
     ((high - low) * MARGIN).max(view.patch.base.longest_side * LEAST_MARGIN)
 }
 
