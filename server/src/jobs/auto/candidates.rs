@@ -10,6 +10,7 @@ use super::Desk;
 use crate::{
     domain::{
         Error, Result,
+        chart::Setting,
         choice::{self, Candidate, Picked},
         detail::{Detail, LayerSource},
         image::{AlphaMode, RenderCamera},
@@ -95,16 +96,21 @@ fn refused(
 /// Triangles always; what shows heights otherwise where it is known how they look.
 fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, tolerance_px: f64) -> Vec<Candidate> {
     let method = if is_vector { Method::Vector } else { Method::Displacement };
-    let of = |method: Method, shell: bool, [error_px, outline_px]: [f64; 2]| {
-        let work = seen.map(|seen| seen.work(method, shell, tolerance_px)).unwrap_or_default();
-        Candidate { method, shell, error_px, outline_px, cost_ms: desk.model.ms(&work), work }
+    let of = |method: Method, setting: Setting, [error_px, outline_px]: [f64; 2]| {
+        let work = seen.map(|seen| seen.work(method, setting)).unwrap_or_default();
+        let (shell, cost_ms) = (setting == Setting::Shell, desk.model.ms(&work));
+        Candidate { method, shell, error_px, outline_px, cost_ms, work }
     };
-    let mut all = vec![of(method, false, [tolerance_px; 2])];
+    let mut all = vec![of(method, Setting::TolerancePx(tolerance_px), [tolerance_px; 2])];
     let Some(seen) = seen else { return all };
-    for method in [Method::Bump, Method::Parallax, Method::ParallaxIterative, Method::Exact] {
-        all.push(of(method, false, seen.predicted(method, false)));
-    }
-    all.push(of(Method::Exact, true, seen.predicted(Method::Exact, true)));
+    let per_pixel = [
+        (Method::Bump, Setting::None),
+        (Method::Parallax, Setting::None),
+        (Method::ParallaxIterative, Setting::None),
+        (Method::Exact, Setting::None),
+        (Method::Exact, Setting::Shell),
+    ];
+    all.extend(per_pixel.map(|(method, setting)| of(method, setting, seen.predicted(method, setting))));
     all
 }
 
