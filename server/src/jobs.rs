@@ -7,6 +7,7 @@
 
 mod admission;
 mod auto;
+mod breakdown;
 mod bumps;
 mod calibration;
 mod cautions;

@@ -34,6 +34,7 @@ use crate::{
     render::JobContext,
 };
 
+pub(super) use candidates::{MOST_TEXELS, Seen, weigh};
 pub(super) use realised::displace_all;
 
 /// An image whose method, triangles and camera are known.

@@ -5,7 +5,7 @@ use displace_glsl::{layout::raster::MAP_BASE_COLOR, reference::composite::MAX_LA
 use super::{
     AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput,
     auto::{self, Desk, Settled},
-    bumps, calibration, exact, fits, images, inputs,
+    breakdown, bumps, calibration, exact, fits, images, inputs,
     inputs::Inputs,
     looks, plans, reliefs, seams, strain,
     work::canonical,
@@ -192,6 +192,12 @@ impl Taking<'_> {
         };
         let mut scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
         scene.camera = self.camera.unwrap_or(scene.camera);
+        if self.camera.is_none() {
+            let found = inputs::timed(context.progress, "predict", &mut passes, || {
+                breakdown::warnings(context, inputs, request, &scene.camera)
+            })?;
+            inputs.scene.warnings.extend(found);
+        }
         for aov in self.aovs.iter().chain(request.preimage.map(|_| &Aov::Triangle)) {
             if !scene.aovs.contains(aov) {
                 scene.aovs.push(*aov);

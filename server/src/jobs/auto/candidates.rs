@@ -22,10 +22,13 @@ use crate::{
     },
     jobs::inputs::Inputs,
 };
-use seen::Seen;
+pub(in crate::jobs) use seen::Seen;
+
+/// What is known of a map takes 40 bytes a texel.
+pub(in crate::jobs) const MOST_TEXELS: usize = 1 << 24;
 
 /// One material with a detail, and what shows it.
-pub(super) struct Weighing {
+pub(in crate::jobs) struct Weighing {
     /// None of primitives without one.
     pub(super) material: Option<usize>,
     /// Its heights, where they can be shown per pixel.
@@ -38,7 +41,7 @@ pub(super) struct Weighing {
 }
 
 /// Of every material with a detail, those without a name last.
-pub(super) fn weigh(
+pub(in crate::jobs) fn weigh(
     desk: Desk<'_>,
     inputs: &Inputs,
     request: &RenderRequest,
@@ -87,6 +90,10 @@ fn refused(
             "the base is curved, and errors per pixel are predicted over flat triangles",
         ),
         (desk.traces_rays && request.rays().is_some(), "samples are rays, which meet triangles"),
+        (
+            relief.is_some_and(|relief| relief.map.heights.len() > MOST_TEXELS),
+            "its map has more texels than errors are predicted for",
+        ),
         (is_blended && request.look.alpha == AlphaMode::Blend, "it is blended, and heights per pixel are not"),
     ]
     .into_iter()

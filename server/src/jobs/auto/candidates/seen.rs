@@ -1,7 +1,7 @@
 //! The patches of a material that a camera sees, and what methods do on them.
 
 use displace_glsl::methods::Method;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use crate::domain::{
     chart::Setting,
@@ -23,14 +23,16 @@ use crate::domain::{
 const SAMPLES: f64 = 4.0;
 /// Rays of a sample through prisms, of which it meets more than one.
 const SHELL_RAYS: f64 = 2.0;
-/// What is not seen is taken to be as fine as what is, at most so many times.
+/// What faces away is taken to be as fine as what faces the eye, at most so many times.
 const MOST_UNSEEN: f64 = 64.0;
+/// What f32 rounds of what a device marches.
+const ROUNDING_PX: f64 = 2e-3;
 
 pub(in crate::jobs) struct Seen<'a> {
     request: &'a RenderRequest,
     facts: HeightFacts,
     patches: Vec<PatchView>,
-    /// Area of all that has the material over that of the patches.
+    /// Area of all that has the material over that of what faces the eye.
     unseen: f64,
     /// Of some part nothing is known, as where it reaches behind the eye.
     has_unknown: bool,
@@ -44,16 +46,18 @@ impl<'a> Seen<'a> {
         camera: &RenderCamera,
         request: &'a RenderRequest,
     ) -> Self {
-        let (mut patches, mut unknown, mut area) = (Vec::new(), 0, 0.0);
+        let (mut patches, mut unknown, mut front, mut back) = (Vec::new(), 0, 0.0, 0.0);
         for instance in &scene.instances {
             let view = view_of(camera, instance, [request.width, request.height]);
             let seen = patches_of(scene, instance.mesh, &|other| other == material, relief, &view);
             patches.extend(seen.seen);
             unknown += seen.unknown;
-            area += area_of(&scene.meshes[instance.mesh], material);
+            let [facing, away] = areas(&scene.meshes[instance.mesh], material, view.eye);
+            (front, back) = (front + facing, back + away);
         }
-        let seen: f64 = patches.iter().map(|seen| area_of_corners(seen.patch.corners)).sum();
-        let unseen = (area / seen.max(f64::MIN_POSITIVE)).clamp(1.0, MOST_UNSEEN);
+        // Both sides are patches where both are seen.
+        let is_double = material.is_some_and(|m| scene.materials[m].double_sided);
+        let unseen = if is_double { 1.0 } else { (1.0 + back / front.max(f64::MIN_POSITIVE)).min(MOST_UNSEEN) };
         Self { request, facts: HeightFacts::new(&relief.map), patches, unseen, has_unknown: unknown > 0 }
     }
 
@@ -64,7 +68,8 @@ impl<'a> Seen<'a> {
         }
         let of = |patch: &PatchView| (predict(method, setting, patch, &self.facts), patch.area_px);
         let (error_px, outline_px) = over_view(&self.patches.iter().map(of).collect::<Vec<_>>());
-        [error_px, outline_px]
+        let rounding_px = if method.marcher().is_some() { ROUNDING_PX } else { 0.0 };
+        [error_px + rounding_px, outline_px]
     }
 
     /// Heights per pixel shadow nothing but themselves, unless maps of what lights see tell; bent normals not even that.
@@ -97,16 +102,15 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Mesh-local.
-fn area_of(SceneMesh { mesh, .. }: &SceneMesh, material: Option<usize>) -> f64 {
+/// Of what has a material: facing the eye (its place and 1, or the way to it and 0), and away from it; mesh-local.
+fn areas(SceneMesh { mesh, .. }: &SceneMesh, material: Option<usize>, eye: DVec4) -> [f64; 2] {
     let place = |av: u32| DVec3::from_array(mesh.gv_position[mesh.av_gv[av as usize] as usize].map(f64::from));
-    let of = |primitive: &crate::domain::mesh::Primitive| -> f64 {
-        let triangles = primitive.triangles.start as usize..primitive.triangles.end as usize;
-        mesh.triangles[triangles].iter().map(|t| area_of_corners(t.av.map(place))).sum()
-    };
-    mesh.primitives.iter().filter(|primitive| primitive.material == material).map(of).sum()
-}
-
-fn area_of_corners([a, b, c]: [DVec3; 3]) -> f64 {
-    0.5 * (b - a).cross(c - a).length()
+    let of = mesh.primitives.iter().filter(|primitive| primitive.material == material);
+    let triangles = of.flat_map(|primitive| primitive.triangles.start as usize..primitive.triangles.end as usize);
+    triangles.fold([0.0; 2], |[front, back], t| {
+        let [a, b, c] = mesh.triangles[t].av.map(place);
+        let normal = 0.5 * (b - a).cross(c - a);
+        let area = normal.length();
+        if normal.dot(eye.truncate() - a * eye.w) > 0.0 { [front + area, back] } else { [front, back + area] }
+    })
 }
