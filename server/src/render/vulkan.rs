@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use displace_glsl::ALL_SHADERS;
 
-use super::{Executor, ExecutorOptions, JobContext, image, passes, tessellate};
+use super::{Executor, ExecutorOptions, JobContext, image, image::KeptCones, passes, tessellate};
 use crate::{
     domain::{
         Result,
@@ -21,6 +21,7 @@ use crate::{
 /// One open device.
 pub struct VulkanExecutor {
     device: Arc<Device>,
+    cones: KeptCones,
     name: String,
     driver: String,
     class: String,
@@ -50,7 +51,7 @@ impl VulkanExecutor {
         let name = info.name.clone();
         let driver = info.driver.clone();
         let class = info.class();
-        Self { device, name, driver, class }
+        Self { device, cones: KeptCones::default(), name, driver, class }
     }
 
     /// The device, for tests and measurements.
@@ -95,6 +96,6 @@ impl Executor for VulkanExecutor {
     }
 
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
-        image::render(&self.device, job, plan, scene)
+        image::render(&self.device, job, plan, scene, &self.cones)
     }
 }
