@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use camera::CameraArgs;
-pub(crate) use chart::ChartArgs;
+pub(crate) use chart::{ChartArgs, SweepArg};
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use light::{AlphaArg, FilterArg, LayoutArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};

@@ -38,6 +38,7 @@ mod statistics;
 mod strain;
 mod work;
 
+pub use chart::drawings as chart_drawings;
 pub use job::{Finished, JobEvent, Listener};
 pub use key::{BUILD_ID, ResultKey};
 pub use owner::OpenExecutor;

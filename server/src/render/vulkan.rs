@@ -7,7 +7,7 @@ use std::{
 
 use displace_glsl::ALL_SHADERS;
 
-use super::{Executor, ExecutorOptions, JobContext, image, passes, tessellate};
+use super::{Executor, ExecutorOptions, JobContext, image, image::KeptCones, passes, tessellate};
 use crate::{
     domain::{
         Result,
@@ -25,6 +25,7 @@ use crate::{
 /// One open device.
 pub struct VulkanExecutor {
     device: Arc<Device>,
+    cones: KeptCones,
     name: String,
     driver: String,
     class: String,
@@ -71,7 +72,8 @@ impl VulkanExecutor {
         let name = info.name.clone();
         let driver = info.driver.clone();
         let class = info.class();
-        Self { device, name, driver, class, costs: OnceLock::new(), costs_file: None }
+        let cones = KeptCones::default();
+        Self { device, cones, name, driver, class, costs: OnceLock::new(), costs_file: None }
     }
 
     /// The device, for tests and measurements.
@@ -127,6 +129,6 @@ impl Executor for VulkanExecutor {
     }
 
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
-        image::render(&self.device, job, plan, scene)
+        image::render(&self.device, job, plan, scene, &self.cones)
     }
 }

@@ -1,6 +1,9 @@
 //! The page: the charts, what is seen of the point under the pointer or the focus, and a table of all. It lies beside
 //! its images and asks nothing of a network.
 
+mod sweeps;
+mod winners;
+
 use std::fmt::Write as _;
 
 use serde_json::json;
@@ -23,6 +26,8 @@ pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
     page += "</div>\n";
     page += &seen(chart);
     page += "</div>\n";
+    page += &winners::html(chart);
+    page += &sweeps::html(chart);
     page += &table(chart);
     page += &told(warnings);
     let facts = json!(chart.points.iter().map(facts).collect::<Vec<_>>());
@@ -37,7 +42,7 @@ pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
 const FOOTER: &str = "\
 <footer>FLIP: Andersson et al. 2020, at 67 pixels per degree. Time is that of surface and image; what maps need once, \
 such as cones, is told apart. Hit error: how far apart the places are that both images show at a \
-pixel, as many pixels as that looks long face-on. Files: <a href=\"chart.csv\">chart.csv</a>, <a href=\"chart.json\">chart.json</a>, \
+pixel, as many pixels as that looks long face-on, the 99th percentile. Files: <a href=\"chart.csv\">chart.csv</a>, <a href=\"chart.json\">chart.json</a>, \
 <a href=\"chart.svg\">chart.svg</a>.</footer>\n</main>\n";
 
 fn head(chart: &Chart) -> String {

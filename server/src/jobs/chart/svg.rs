@@ -1,20 +1,26 @@
 //! A chart as SVG: time across and error up, both logarithmic, the front as a line of steps, the automatic choice as a star.
 
 pub(in crate::jobs) mod axis;
+mod curves;
 mod drawn;
 mod frame;
 mod labels;
 pub(in crate::jobs) mod marks;
+mod winners;
 
 use super::page::escaped;
 use crate::domain::chart::{Chart, Metric, Point};
 use axis::Axis;
 use labels::Rect;
 
-const WIDTH: f64 = 900.0;
+pub(super) use curves::{document as sweep_document, element as sweep_element, holds};
+
+const WIDTH: f64 = 1060.0;
 const HEIGHT: f64 = 540.0;
 /// Where points lie.
 const PLOT: Rect = [78.0, 62.0, 720.0, 476.0];
+/// Where it is told what marks mean.
+const LEGEND_X: f64 = 906.0;
 /// Also where the page around it is dark.
 const STYLE: &str = "\
 .paper{fill:#fff}.ink{fill:#1b1f24}.soft{fill:#56606b}.grid{stroke:#d9dee4}.frame{stroke:#56606b}.front{stroke:#1b1f24}\
@@ -24,13 +30,17 @@ const STYLE: &str = "\
 
 /// A file of its own: a drawing for each error that is known, one below the other.
 pub(super) fn document(chart: &Chart) -> String {
-    let metrics = known(chart);
+    stacked(&known(chart), |metric, place| drawing(chart, metric, place))
+}
+
+/// Drawings below each other, as a file; `draw` gets the attributes that place one.
+fn stacked(metrics: &[Metric], draw: impl Fn(Metric, &str) -> String) -> String {
+    let height = HEIGHT * metrics.len() as f64;
     let mut svg = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {}\">\n",
-        HEIGHT * metrics.len() as f64
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\">\n"
     );
-    for (row, metric) in metrics.into_iter().enumerate() {
-        svg += &drawing(chart, metric, &format!("y=\"{}\" height=\"{HEIGHT}\" ", HEIGHT * row as f64));
+    for (row, metric) in metrics.iter().enumerate() {
+        svg += &draw(*metric, &format!("y=\"{}\" height=\"{HEIGHT}\" ", HEIGHT * row as f64));
         svg.push('\n');
     }
     svg + "</svg>\n"
@@ -47,14 +57,19 @@ pub(super) fn element(chart: &Chart, metric: Metric) -> String {
     drawing(chart, metric, "")
 }
 
-fn drawing(chart: &Chart, metric: Metric, place: &str) -> String {
-    let plot = Plot::new(chart, metric);
-    let mut svg = format!(
+/// The start of a drawing.
+fn opened(place: &str, title: &str) -> String {
+    format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" {place}viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"group\" aria-label=\"{}\" \
          font-family=\"system-ui,sans-serif\" font-size=\"12\">\n<style>{STYLE}</style>\n\
          <rect class=\"paper\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/>\n",
-        escaped(&plot.title())
-    );
+        escaped(title)
+    )
+}
+
+fn drawing(chart: &Chart, metric: Metric, place: &str) -> String {
+    let plot = Plot::new(chart, metric);
+    let mut svg = opened(place, &plot.title());
     plot.heading(&mut svg);
     plot.grid(&mut svg);
     plot.courses(&mut svg);
@@ -62,6 +77,7 @@ fn drawing(chart: &Chart, metric: Metric, place: &str) -> String {
     plot.points(&mut svg);
     plot.choice(&mut svg);
     plot.labels(&mut svg);
+    plot.winners(&mut svg);
     plot.legend(&mut svg);
     svg + "</svg>"
 }
@@ -92,10 +108,8 @@ impl<'c> Plot<'c> {
 
     /// From the fastest to the nearest.
     fn on_front(&self) -> Vec<(&'c Point, [f64; 2])> {
-        let on_front = self.shown().filter(|(_, point, _)| point.fronts.contains(&self.metric));
-        let mut front: Vec<_> = on_front.map(|(_, point, place)| (point, place)).collect();
-        front.sort_by(|a, b| a.0.ms.total_cmp(&b.0.ms));
-        front
+        let place = |(point, error): (&'c Point, f64)| (point, [self.time.at(point.ms), self.error.at(error)]);
+        front(self.chart, self.metric).into_iter().map(place).collect()
     }
 
     fn title(&self) -> String {
@@ -103,7 +117,16 @@ impl<'c> Plot<'c> {
     }
 }
 
-fn what(metric: Metric) -> &'static str {
+/// Points of a front with their errors, from the fastest to the nearest: each is the fastest that is as near, up to the error
+/// of the one before it.
+pub(super) fn front(chart: &Chart, metric: Metric) -> Vec<(&Point, f64)> {
+    let on_front = chart.points.iter().filter(|point| point.fronts.contains(&metric));
+    let mut front: Vec<_> = on_front.filter_map(|point| Some((point, metric.of(&point.error)?))).collect();
+    front.sort_by(|a, b| a.0.ms.total_cmp(&b.0.ms).then(b.1.total_cmp(&a.1)));
+    front
+}
+
+pub(super) fn what(metric: Metric) -> &'static str {
     match metric {
         Metric::Flip => "FLIP",
         Metric::HitPx => "hit error",

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::domain::{
     Error, Result,
-    chart::{Chart, Metric, Point},
+    chart::{Chart, Metric, Point, SweepPoint},
     report::Warning,
 };
 
@@ -38,6 +38,22 @@ fn row(text: &mut String, point: &Point, metric: Metric, chosen: Option<bool>) {
     );
 }
 
+const ERROR_COLUMNS: &str = "sweep,value,method,setting,triangles,ms,error,metric";
+
+/// A row for each method, value and metric of sweeps.
+pub(super) fn errors(chart: &Chart) -> String {
+    let mut text = format!("{ERROR_COLUMNS}\n");
+    for point in &chart.sweeps {
+        let SweepPoint { sweep, value, triangles, ms, .. } = point;
+        let (sweep, method, setting) = (sweep.name(), field(&point.method), field(&point.setting));
+        for metric in Metric::ALL {
+            let (error, metric) = (known(metric.of(&point.error)), metric.name());
+            let _ = writeln!(text, "{sweep},{value},{method},{setting},{triangles},{ms},{error},{metric}");
+        }
+    }
+    text
+}
+
 fn known<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
@@ -58,7 +74,7 @@ pub(super) fn json(chart: &Chart, warnings: &[Warning]) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::{image::MarchCounters, report::Comparison};
+    use crate::domain::{chart::Sweep, image::MarchCounters, report::Comparison};
 
     #[test]
     fn what_is_not_known_is_empty_and_each_metric_has_its_row() {
@@ -93,6 +109,23 @@ mod tests {
         assert_eq!(ends[0], ",0,,0,flip,,false,true");
         assert_eq!(ends[1], ",0,,,hit_px,0.5,false,true");
         assert_eq!(ends[4], ",0,,,hit_px,,false,false");
+    }
+
+    #[test]
+    fn sweeps_have_a_row_for_each_metric() {
+        let point = SweepPoint {
+            sweep: Sweep::Distance,
+            value: 2.0,
+            method: "relief".into(),
+            setting: "auto".into(),
+            triangles: 2,
+            ms: 1.5,
+            error: Comparison { flip_mean: 0.25, hit_error_px: Some(0.5), ..Comparison::default() },
+        };
+        let text = errors(&Chart { sweeps: vec![point], ..Chart::default() });
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        let expected = ["0.25,flip", "0.5,hit_px", ",silhouette_px"];
+        assert_eq!(rows, expected.map(|end| format!("distance,2,relief,auto,2,1.5,{end}")));
     }
 
     #[test]

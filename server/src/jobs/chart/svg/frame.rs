@@ -2,7 +2,13 @@
 
 use std::fmt::Write as _;
 
-use super::{PLOT, Plot, axis::written, drawn::shape, marks::halo, rounded};
+use super::{
+    LEGEND_X, PLOT, Plot,
+    axis::{Axis, written},
+    drawn::shape,
+    marks::halo,
+    rounded,
+};
 use crate::{
     domain::chart::{Chart, Metric},
     jobs::chart::page::escaped,
@@ -14,13 +20,7 @@ impl Plot<'_> {
         let below = format!(
             "{device}, {width} x {height} pixels; the truth is the surface itself by {truth_samples} rays a pixel"
         );
-        let title = escaped(&self.title());
-        let _ = writeln!(
-            svg,
-            "<text class=\"ink\" x=\"{}\" y=\"26\" font-size=\"17\" font-weight=\"600\">{title}</text>",
-            PLOT[0]
-        );
-        let _ = writeln!(svg, "<text class=\"soft\" x=\"{}\" y=\"46\">{}</text>", PLOT[0], escaped(&below));
+        heading(svg, &self.title(), &below);
     }
 
     pub(super) fn grid(&self, svg: &mut String) {
@@ -34,29 +34,12 @@ impl Plot<'_> {
                 bottom + 18.0
             );
         }
-        let zero = self.error.has_zero().then_some(0.0);
-        for tick in self.error.ticks().into_iter().chain(zero) {
-            let (y, text) = (self.error.at(tick), if tick == 0.0 { "0".into() } else { written(tick) });
-            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/>");
-            let _ = writeln!(
-                svg,
-                "<text class=\"soft\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
-                left - 8.0,
-                y + 4.0
-            );
-        }
-        let _ = writeln!(svg, "<path class=\"frame\" fill=\"none\" d=\"M{left} {top}V{bottom}H{right}\"/>");
+        errors(svg, &self.error, self.metric);
         let middle = 0.5 * (left + right);
         let _ = writeln!(
             svg,
             "<text class=\"ink\" x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">time of surface and image, ms (log; the median run)</text>",
             bottom + 42.0
-        );
-        let middle = 0.5 * (top + bottom);
-        let _ = writeln!(
-            svg,
-            "<text class=\"ink\" transform=\"translate(22 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            unit(self.metric)
         );
     }
 
@@ -67,7 +50,7 @@ impl Plot<'_> {
                 methods.push(&point.method);
             }
         }
-        let x = PLOT[2] + 30.0;
+        let x = LEGEND_X;
         for (row, method) in methods.iter().enumerate() {
             let y = PLOT[1] + 12.0 + 22.0 * row as f64;
             let (shape, name) = (shape(method, [x, y]), escaped(method));
@@ -97,6 +80,36 @@ impl Plot<'_> {
             tx = x + 20.0,
         );
     }
+}
+
+pub(super) fn heading(svg: &mut String, title: &str, below: &str) {
+    let (title, below) = (escaped(title), escaped(below));
+    let x = PLOT[0];
+    let _ = writeln!(svg, "<text class=\"ink\" x=\"{x}\" y=\"26\" font-size=\"17\" font-weight=\"600\">{title}</text>");
+    let _ = writeln!(svg, "<text class=\"soft\" x=\"{x}\" y=\"46\">{below}</text>");
+}
+
+/// The axis of errors, and the sides of the plot.
+pub(super) fn errors(svg: &mut String, axis: &Axis, metric: Metric) {
+    let [left, top, right, bottom] = PLOT;
+    let zero = axis.has_zero().then_some(0.0);
+    for tick in axis.ticks().into_iter().chain(zero) {
+        let (y, text) = (axis.at(tick), if tick == 0.0 { "0".into() } else { written(tick) });
+        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/>");
+        let _ = writeln!(
+            svg,
+            "<text class=\"soft\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            left - 8.0,
+            y + 4.0
+        );
+    }
+    let _ = writeln!(svg, "<path class=\"frame\" fill=\"none\" d=\"M{left} {top}V{bottom}H{right}\"/>");
+    let middle = 0.5 * (top + bottom);
+    let _ = writeln!(
+        svg,
+        "<text class=\"ink\" transform=\"translate(22 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        unit(metric)
+    );
 }
 
 fn unit(metric: Metric) -> &'static str {
