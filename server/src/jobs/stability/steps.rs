@@ -75,9 +75,9 @@ fn misses(lab: &Lab<'_>) -> Result<Vec<Curve>> {
 
 fn stairs(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     let ramp = rays::map([LONG, 4], |x, _| HIGH * f64::from(x) / f64::from(LONG));
-    // Side by side up the slope, clear of where the ramp falls off.
+    // Side by side up the slope, clear of where the ramp falls off: no way is longer than 14 texels.
     let course = |k: usize| {
-        let x = 0.1 + 0.8 * k as f64 / RAYS as f64;
+        let x = 0.3 + 0.45 * k as f64 / RAYS as f64;
         let place = DVec2::new(x * f64::from(LONG), 1.0);
         rays::through(&ramp, place, HIGH * x, DVec2::X, DEGREES)
     };
