@@ -27,7 +27,7 @@ pub(super) const ROW: Row = Row {
     title: "Surfaces that reach beyond their base",
     story: "Whatever is left out of an image because the base's box or triangle does not reach there is missing where the displaced surface does. Triangles are \
             binned after they moved, and prisms are as high as the heights; without silhouettes all that stands out is cut. Against rays in f64, at \
-            pixels whose neighbours are covered too.",
+            pixels whose neighbours, two around, are covered too.",
     asset: Asset::Made("a sphere of radius 1 under hills, at 128 x 128 pixels"),
     parameter: ["height", "of the radius"],
     metric: ["pixels missing of those the surface covers", "%"],
@@ -97,7 +97,7 @@ fn covered_by_rays(surface: &Surface, eye: DVec3) -> Vec<bool> {
     (0..SIDE * SIDE).into_par_iter().map(covers).collect()
 }
 
-/// Those whose eight neighbours are covered too: no edge runs through them.
+/// Those whose neighbours, two around, are covered too: no edge runs near them.
 fn inner(covered: &[bool]) -> Vec<bool> {
     let at = |x: i64, y: i64| {
         let side = i64::from(SIDE);
@@ -105,7 +105,7 @@ fn inner(covered: &[bool]) -> Vec<bool> {
     };
     let is_inner = |k: i64| {
         let (x, y) = (k % i64::from(SIDE), k / i64::from(SIDE));
-        (-1..=1).all(|dy| (-1..=1).all(|dx| at(x + dx, y + dy)))
+        (-2..=2).all(|dy| (-2..=2).all(|dx| at(x + dx, y + dy)))
     };
     (0..i64::from(SIDE * SIDE)).map(is_inner).collect()
 }

@@ -169,7 +169,12 @@ fn junctions(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     for (name, sheet) in cases {
         let one = |faults: u32| {
             let mesh = sheet(faults).welded(name)?;
-            let surface = lab.displaced(&mesh, &detail, &meshes::uniform(LEVEL))?;
+            let is_torn = name == "T-junctions" && faults > 0;
+            let surface = if is_torn {
+                lab.displaced_torn(&mesh, &detail, LEVEL)?
+            } else {
+                lab.displaced(&mesh, &detail, &meshes::uniform(LEVEL))?
+            };
             Ok([f64::from(faults), 100.0 * gap(&along([&surface])) / f64::from(HEIGHT)])
         };
         curves.push(curve(name, FAULTS.into_iter().map(one).collect::<Result<_>>()?));

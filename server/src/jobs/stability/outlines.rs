@@ -27,11 +27,11 @@ pub(super) const ROW: Row = Row {
     title: "Posts against the sky",
     story: "What is shown within the base's own triangles cannot stand out beyond them: without silhouettes posts at the horizon are cut off. \
             With them rays are followed through prisms above the base, and what is left is what the march misses. Device images against \
-            as many triangles as the map has half texels.",
+            as many triangles as the map has half texels; some pixels of every edge are on one side of it alone.",
     asset: Asset::Made("posts 8 texels high, 16 apart, on a plane of 64 texels, seen along it at 128 x 128 pixels"),
     parameter: ["width", "texels"],
     metric: ["pixels inside one outline alone", "px"],
-    line: 40.0,
+    line: 100.0,
     worse: Worse::Downwards,
     literature: &[
         ("exact", "the base's outline (Oliveira and Policarpo 2005 name it as what relief lacks)"),

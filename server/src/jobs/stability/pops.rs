@@ -47,7 +47,8 @@ pub(super) const FLASHES: Row = Row {
     family: "view-dependent dicing pops",
     title: "Images that flash when surfaces are diced anew",
     story: "The same frames as images: each is drawn with its own triangles and with those of the frame before, from one camera, so that only the \
-            pop differs. Normals jump with the triangles, and light shows it where positions hardly move.",
+            pop differs. Normals jump with the triangles, and light shows it where positions hardly move: finer triangles flash more, not less, \
+            until they are smaller than a pixel.",
     asset: Asset::OwnSurface,
     parameter: ["tolerance", "px"],
     metric: ["mean FLIP of a pop, worst frame", "0 to 1"],
@@ -76,18 +77,28 @@ const PRECISION_PX: f64 = 0.05;
 struct Frame {
     view: ToleranceView,
     surface: Surface,
-    /// Where the scene is nearest.
-    pixels_per_unit: f64,
+    /// Of the scene, which the camera looks at.
+    middle: DVec3,
+}
+
+impl Frame {
+    /// Face-on, at a place.
+    fn pixels_per_unit(&self, place: DVec3) -> f64 {
+        let eye = DVec3::from_array(self.view.eye.map(f64::from));
+        let depth = (place - eye).dot((self.middle - eye).normalize());
+        0.5 * f64::from(SIDE) / ((0.5 * f64::from(FOV_DEGREES)).to_radians().tan() * depth)
+    }
 }
 
 fn jumps(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     swept(lab, &|before, frame| {
         let [a, b] = [before, frame].map(|frame| sheet(lab, &frame.surface));
-        let settings = Settings { precision: PRECISION_PX / frame.pixels_per_unit, max_cuts: MOST_CUTS };
+        let settings = Settings { precision: PRECISION_PX / frame.pixels_per_unit(frame.middle), max_cuts: MOST_CUTS };
         let far = |a: &Sheet<'_>, b: &Sheet<'_>| {
-            hausdorff::directed(a, b, &settings, lab.context.cancel, &NoProgress).map(|d| d.map_or(0.0, |d| d.lo))
+            let found = hausdorff::directed(a, b, &settings, lab.context.cancel, &NoProgress)?;
+            Ok::<_, Error>(found.map_or(0.0, |found| found.lo * frame.pixels_per_unit(found.at[0])))
         };
-        Ok(far(&a, &b)?.max(far(&b, &a)?) * frame.pixels_per_unit)
+        Ok(far(&a, &b)?.max(far(&b, &a)?))
     })
 }
 
@@ -142,8 +153,7 @@ fn frame(lab: &Lab<'_>, number: u32, tolerance_px: f64) -> Result<Frame> {
     let (plan, _) = SurfacePlan::within_tolerance(0, scene, &tolerance, &geometry, MOST_TRIANGLES)?;
     let surface = lab.planned(&scene.meshes[0].mesh, &lab.own.inputs.details[0], &plan)?;
     keeps(lab, (&plan, &surface), tolerance_px);
-    let focal_px = 0.5 * f64::from(SIDE) / (0.5 * f64::from(FOV_DEGREES)).to_radians().tan();
-    Ok(Frame { view, surface, pixels_per_unit: focal_px / (away.length() - radius) })
+    Ok(Frame { view, surface, middle })
 }
 
 /// The proven bound is within what is asked, or the budget is told of.

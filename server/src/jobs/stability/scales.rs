@@ -28,7 +28,8 @@ pub(super) const STRETCHED: Row = Row {
     title: "Nodes that stretch one way",
     story: "Under a node that stretches z alone, points go by its matrix and normals by the transpose of its inverse: going by the matrix they lean the wrong \
             way, by up to the stretch itself. The displaced mesh is drawn under the node, and against it with the node worked into \
-            its vertices. A mirroring node is asked for the same pixels besides.",
+            its vertices; what is left is that one blends normals after, the other before they are turned. A mirroring node is asked \
+            for the same pixels besides.",
     asset: Asset::OwnSurface,
     parameter: ["scale of z", ""],
     metric: ["normal off by, 99th percentile of pixels", "degrees"],

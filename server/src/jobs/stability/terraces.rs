@@ -21,9 +21,10 @@ pub(super) const STEPS: Row = Row {
     family: "bit depth",
     title: "Terraces of maps with few bits",
     story: "A map holds a slope in levels, and a slow one stays on each for many texels: it becomes terraces as high as a level, whose \
-            rims catch the light. With 8 bits a level is a 255th of the height; half floats are coarse near the top, where a level is a 2048th.",
+            rims catch the light. The ramp rises by a 16th of the range over 256 texels. With 8 bits a level is a 255th of the range and 16 texels \
+            long; half floats are coarse near the top, where a level is a 2048th.",
     asset: Asset::Made("a ramp over 256 texels, displaced at every half texel"),
-    parameter: ["height of the ramp", "texels"],
+    parameter: ["height of the whole range", "texels"],
     metric: ["height off by", "texels"],
     line: 0.05,
     worse: Worse::Upwards,
@@ -38,7 +39,7 @@ pub(super) const NORMALS: Row = Row {
     story: "Shading sees slopes, and between terraces they are all wrong: level on each, steep at its rim. Central differences over \
             one texel see half a level as slope, so that an angle of a degree is reached by heights that move nothing that can be seen.",
     asset: Asset::Made("a ramp over 256 texels, displaced at every half texel"),
-    parameter: ["height of the ramp", "texels"],
+    parameter: ["height of the whole range", "texels"],
     metric: ["normal off by", "degrees"],
     line: 1.0,
     worse: Worse::Upwards,
@@ -54,8 +55,15 @@ const LITERATURE: &[(&str, &str)] = &[
 ];
 const AMPLITUDES: [f64; 8] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 const TEXELS: u32 = 256;
+/// Of the whole range.
+const RISE: f64 = 1.0 / 16.0;
 const FORMATS: [(&str, fn(f64) -> f64); 4] =
     [("8 bits", |v| levels(v, 255.0)), ("16 bits", |v| levels(v, 65535.0)), ("half float", half), ("float", |v| v)];
+
+/// So many texels along the ramp, in the upper half of the range.
+fn value(texels: f64) -> f64 {
+    0.5 + RISE * texels / f64::from(TEXELS)
+}
 
 fn levels(value: f64, count: f64) -> f64 {
     (value * count).round() / count
@@ -68,12 +76,12 @@ fn half(value: f64) -> f64 {
 }
 
 fn heights(lab: &Lab<'_>) -> Result<Vec<Curve>> {
-    swept(lab, |place, _, amplitude| (place.y - amplitude * place.x / f64::from(TEXELS)).abs())
+    swept(lab, |place, _, amplitude| (place.y - amplitude * value(place.x)).abs())
 }
 
 fn normals(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     swept(lab, |_, normal, amplitude| {
-        let truth = DVec3::new(-amplitude / f64::from(TEXELS), 1.0, 0.0);
+        let truth = DVec3::new(-amplitude * RISE / f64::from(TEXELS), 1.0, 0.0);
         normal.cross(truth).length().atan2(normal.dot(truth)).to_degrees()
     })
 }
@@ -94,7 +102,7 @@ fn swept(lab: &Lab<'_>, off: fn(DVec3, DVec3, f64) -> f64) -> Result<Vec<Curve>>
 }
 
 fn ramp(rounded: fn(f64) -> f64) -> Arc<Map> {
-    meshes::height_map([TEXELS, 4], Wrap::Clamp, |x, _| rounded((f64::from(x) + 0.5) / f64::from(TEXELS)) as f32)
+    meshes::height_map([TEXELS, 4], Wrap::Clamp, |x, _| rounded(value(f64::from(x) + 0.5)) as f32)
 }
 
 /// Away from the ends, where texels go on level.
