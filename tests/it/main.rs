@@ -29,6 +29,7 @@ mod relief;
 mod relief_cli;
 mod service;
 mod shells;
+mod stability;
 mod tessellate;
 mod tidy;
 mod tolerance;

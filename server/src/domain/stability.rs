@@ -75,6 +75,14 @@ pub struct Curve {
     pub literature: String,
 }
 
+impl Curve {
+    /// Whether no value of it passes.
+    #[must_use]
+    pub fn never_passes(&self, line: f64) -> bool {
+        !self.values.iter().any(|[_, value]| *value <= line)
+    }
+}
+
 /// A rule that did not hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Violation {

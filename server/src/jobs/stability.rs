@@ -10,20 +10,33 @@
 //! | `page.rs`, `drawing.rs`, `written.rs` | what is written of it |
 //! | the others | a scenario each, or those that sweep the same |
 
+mod bounds;
 mod cracks;
 mod drawing;
+mod factors;
+mod foldover;
 mod grazing;
+mod grazing_images;
+mod highlights;
 mod images;
 mod judge;
 mod lab;
 mod meshes;
+mod outlines;
 mod own;
 mod page;
+mod pops;
+mod posts;
 mod rays;
 mod row;
+mod scales;
+mod seams;
 mod steps;
 mod sweep;
+mod swimming;
 mod table;
+mod tangents;
+mod terraces;
 mod written;
 
 use super::{Output, Work, WorkContext, WorkOutput, work::canonical};

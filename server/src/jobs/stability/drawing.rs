@@ -10,19 +10,22 @@ use super::super::chart::{
         rounded,
     },
 };
-use crate::domain::stability::{Curve, Scenario, Stability};
+use crate::domain::stability::{Curve, Scenario, Stability, Worse};
 
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 460.0;
 /// Left, top, right, bottom.
 const PLOT: [f64; 4] = [78.0, 62.0, 620.0, 396.0];
+/// Values below such a share of the line are drawn as none; where the line is none, of the greatest.
+const LEAST: f64 = 1e-3;
 /// Parameters that span more than this are drawn by their logarithm.
 const LOGARITHMIC: f64 = 20.0;
 /// Also where the page around it is dark.
 const STYLE: &str = "\
 .paper{fill:#fff}.ink{fill:#1b1f24}.soft{fill:#56606b}.grid{stroke:#d9dee4}.frame{stroke:#56606b}.line{stroke:#c0392b}.fail{fill:#c0392b}\
+.halo{stroke:#fff;stroke-width:4;paint-order:stroke}\
 @media(prefers-color-scheme:dark){.paper{fill:#121518}.ink{fill:#e8ebef}.soft{fill:#9ba6b2}.grid{stroke:#323941}\
-.frame{stroke:#9ba6b2}.line{stroke:#ff7b6b}.fail{fill:#ff7b6b}}";
+.frame{stroke:#9ba6b2}.line{stroke:#ff7b6b}.fail{fill:#ff7b6b}.halo{stroke:#121518}}";
 
 /// A file of its own.
 pub(super) fn document(scenario: &Scenario, stability: &Stability) -> String {
@@ -41,8 +44,8 @@ pub(super) fn element(scenario: &Scenario, stability: &Stability) -> String {
     plot.heading(&mut svg, stability);
     plot.across(&mut svg);
     plot.up(&mut svg);
-    plot.line(&mut svg);
     plot.curves(&mut svg);
+    plot.line(&mut svg);
     svg + "</svg>"
 }
 
@@ -118,16 +121,20 @@ struct Plot<'s> {
     scenario: &'s Scenario,
     parameter: Scale,
     metric: Scale,
+    /// What is less is drawn as none.
+    least: f64,
 }
 
 impl<'s> Plot<'s> {
     fn new(scenario: &'s Scenario) -> Self {
         let values = || scenario.curves.iter().flat_map(|curve| &curve.values);
         let parameters: Vec<f64> = values().map(|[parameter, _]| *parameter).collect();
-        let metrics: Vec<f64> =
-            values().map(|[_, metric]| *metric).filter(|m| m.is_finite()).chain([scenario.line]).collect();
-        let metric = Scale::Logarithmic(Axis::new(metrics.iter().copied(), PLOT[3], PLOT[1]));
-        Self { scenario, parameter: Scale::across(&parameters, PLOT[0], PLOT[2]), metric }
+        let metrics: Vec<f64> = values().map(|[_, metric]| *metric).filter(|m| m.is_finite()).collect();
+        let greatest = metrics.iter().copied().fold(0.0, f64::max);
+        let least = LEAST * if scenario.line > 0.0 { scenario.line } else { greatest };
+        let drawn = metrics.into_iter().chain([scenario.line]).map(|value| at_least(value, least));
+        let metric = Scale::Logarithmic(Axis::new(drawn.collect::<Vec<_>>().iter().copied(), PLOT[3], PLOT[1]));
+        Self { scenario, parameter: Scale::across(&parameters, PLOT[0], PLOT[2]), metric, least }
     }
 
     fn heading(&self, svg: &mut String, stability: &Stability) {
@@ -136,7 +143,10 @@ impl<'s> Plot<'s> {
         let _ = writeln!(
             svg,
             "<text class=\"ink\" x=\"{x}\" y=\"26\" font-size=\"17\" font-weight=\"600\">{title}</text>\n\
-             <text class=\"soft\" x=\"{x}\" y=\"46\">{asset}; {}</text>",
+             <text class=\"soft\" x=\"{x}\" y=\"46\">{asset}</text>\n\
+             <text class=\"soft\" x=\"{}\" y=\"{}\" font-size=\"10\" text-anchor=\"end\">{}</text>",
+            WIDTH - 14.0,
+            HEIGHT - 12.0,
             escaped(device),
             x = PLOT[0]
         );
@@ -188,24 +198,28 @@ impl<'s> Plot<'s> {
 
     fn line(&self, svg: &mut String) {
         let y = self.metric.at(self.scenario.line);
+        // Where curves are below it.
+        let (x, anchor) = match self.scenario.worse {
+            Worse::Upwards => (PLOT[0] + 6.0, "start"),
+            Worse::Downwards => (PLOT[2] - 6.0, "end"),
+        };
         let _ = writeln!(
             svg,
             "<path class=\"line\" stroke-width=\"1.5\" stroke-dasharray=\"6 3\" d=\"M{} {y:.1}H{}\"/>\
-             <text class=\"fail\" x=\"{}\" y=\"{:.1}\">passes up to {}</text>",
+             <text class=\"fail halo\" x=\"{x}\" y=\"{:.1}\" text-anchor=\"{anchor}\">passes up to {}</text>",
             PLOT[0],
             PLOT[2],
-            PLOT[0] + 6.0,
-            y - 5.0,
+            y - 6.0,
             rounded(self.scenario.line)
         );
     }
 
     fn curves(&self, svg: &mut String) {
-        for (k, curve) in self.scenario.curves.iter().enumerate() {
-            let look = look(k, &curve.method);
+        for (k, (curve, look)) in self.scenario.curves.iter().zip(looks(&self.scenario.curves)).enumerate() {
             self.course(svg, curve, &look);
             let (x, y) = (PLOT[2] + 26.0, PLOT[1] + 12.0 + 34.0 * k as f64);
             let verdict = match curve.breakdown {
+                Some(_) if curve.never_passes(self.scenario.line) => "broken throughout".into(),
                 Some(at) => format!("breaks at {} {}", rounded(at), self.scenario.unit),
                 None => "does not break".into(),
             };
@@ -226,7 +240,8 @@ impl<'s> Plot<'s> {
 
     fn course(&self, svg: &mut String, curve: &Curve, look: &Mark) {
         let shown = curve.values.iter().filter(|[_, metric]| metric.is_finite());
-        let places: Vec<[f64; 2]> = shown.map(|[p, m]| [self.parameter.at(*p), self.metric.at(*m)]).collect();
+        let places: Vec<[f64; 2]> =
+            shown.map(|[p, m]| [self.parameter.at(*p), self.metric.at(at_least(*m, self.least))]).collect();
         let path: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
         let _ = writeln!(
             svg,
@@ -239,11 +254,26 @@ impl<'s> Plot<'s> {
     }
 }
 
-/// A method has the look that it has in charts; what is no method by itself gets one by its place.
-fn look(place: usize, method: &str) -> Mark {
-    const OTHERS: [&str; 5] = ["displacement", "bump", "exact", "steep", "cone"];
-    let known = displace_glsl::methods::METHODS.iter().any(|row| row.name == method);
-    mark(if known { method } else { OTHERS[place % OTHERS.len()] })
+/// Or none.
+fn at_least(value: f64, least: f64) -> f64 {
+    if value < least { 0.0 } else { value }
+}
+
+/// A method has the look that it has in charts, so has what begins with its name; others have what is left.
+fn looks(curves: &[Curve]) -> Vec<Mark> {
+    const LEFT: [&str; 6] = ["bump", "steep", "parallax-limited", "cone", "flat", "relief"];
+    let known = |name: &str| displace_glsl::methods::METHODS.iter().find(|row| row.name == name).map(|row| row.name);
+    let mut taken: Vec<&str> = curves.iter().filter_map(|curve| known(&curve.method)).collect();
+    let mut of_curve = |curve: &Curve| {
+        if let Some(own) = known(&curve.method) {
+            return mark(own);
+        }
+        let begun = curve.method.split([',', ' ']).next().and_then(known);
+        let free = begun.into_iter().chain(LEFT).find(|name| !taken.contains(name)).unwrap_or("flat");
+        taken.push(free);
+        mark(free)
+    };
+    curves.iter().map(&mut of_curve).collect()
 }
 
 fn shape(look: &Mark, [x, y]: [f64; 2]) -> String {
@@ -263,6 +293,16 @@ mod tests {
         let of = |values: &[f64]| matches!(Scale::across(values, 0.0, 100.0), Scale::Logarithmic(_));
         assert!(!of(&[0.0, 10.0, 20.0, 89.0]) && !of(&[0.5, 1.0, 1.5]));
         assert!(of(&[4.0, 8.0, 16.0, 256.0]) && of(&[1e-4, 1.0, 1e5]));
+    }
+
+    #[test]
+    fn no_two_curves_look_the_same() {
+        let curves = ["exact", "exact, shell", "relief, shell", "exact, quadric", "displacement, a", "displacement, b"]
+            .map(|method| Curve { method: method.into(), ..Curve::default() });
+        let paths: Vec<(String, bool)> = looks(&curves).iter().map(|look| (look.path(0.0, 0.0), look.filled)).collect();
+        for (k, path) in paths.iter().enumerate() {
+            assert!(!paths[..k].contains(path), "{k}");
+        }
     }
 
     #[test]

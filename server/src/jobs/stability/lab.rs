@@ -102,6 +102,15 @@ impl<'a> Lab<'a> {
         self.planned(mesh, &details, &SurfacePlan::uniform(0, mesh, level, geometry)?)
     }
 
+    /// As [`Self::displaced`], of a base that is torn itself: finite is all that it must be.
+    pub(super) fn displaced_torn(&self, mesh: &Mesh, detail: &Arc<Detail>, level: u32) -> Result<Surface> {
+        let plan = SurfacePlan::uniform(0, mesh, level, &super::meshes::uniform(level))?;
+        let (surface, _) = self.context.executor.displace(&self.quiet(), &plan, mesh, &[Some(Arc::clone(detail))])?;
+        let broken = invariants::not_finite("positions_finite", &surface.positions);
+        self.note(Rule::Finite, broken.map(|broken| format!("{}: {broken}", mesh.name)));
+        Ok(surface)
+    }
+
     pub(super) fn planned(&self, mesh: &Mesh, details: &[Option<Arc<Detail>>], plan: &SurfacePlan) -> Result<Surface> {
         self.context.cancel.check()?;
         let run = || Ok::<_, Error>(self.context.executor.displace(&self.quiet(), plan, mesh, details)?.0);

@@ -9,7 +9,7 @@ use crate::{
         Result,
         detail::{LayerSource, Map},
         mesh::Mesh,
-        request::{DisplaceRequest, Refinement},
+        request::{Base, DisplaceRequest, Refinement},
         scene::SceneMesh,
     },
     jobs::{WorkContext, inputs::Inputs},
@@ -35,6 +35,7 @@ impl Own {
     pub(super) fn load(context: &WorkContext<'_>, request: &DisplaceRequest) -> Result<Self> {
         let mut request = request.clone();
         request.geometry.refinement = Refinement::Uniform(0);
+        request.geometry.base = Base::Flat;
         let inputs = Inputs::load(context.assets, context.limits, &context.job(), &request)?;
         let own = inputs.scene.meshes.iter().zip(&inputs.details).find_map(of_mesh);
         let (heights, heights_are) = own.unwrap_or_else(|| {

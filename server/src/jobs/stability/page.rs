@@ -96,6 +96,9 @@ fn verdicts(scenario: &Scenario) -> String {
     );
     for curve in &scenario.curves {
         let at = match curve.breakdown {
+            Some(_) if curve.never_passes(scenario.line) => {
+                "<span class=\"broken\">nothing that was swept</span>".into()
+            }
             Some(at) => format!("<span class=\"broken\">{} {}</span>", rounded(at), escaped(&scenario.unit)),
             None => "<span class=\"holds\">all that was swept</span>".into(),
         };

@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Above and below all heights, where a course begins and ends.
-const BEYOND: f64 = 0.01;
+pub(super) const BEYOND: f64 = 0.01;
 
 /// A map with what every method needs of it, that repeats.
 pub(super) fn map(size: [u32; 2], height: impl Fn(u32, u32) -> f64) -> ReliefMap {

@@ -30,8 +30,8 @@ pub(super) const MISSES: Row = Row {
     literature: &[
         ("steep", "as many as the ray crosses texels: N \u{2265} range tan \u{3b8} / width (McGuire and McGuire 2005)"),
         ("occlusion", "8 to 50 steps by angle (Tatarchuk 2006)"),
-        ("relief", "10 to 20 linear steps and 5 to 8 halvings for smooth maps (Policarpo et al. 2005)"),
-        ("cone", "15 cone steps and 8 halvings (Policarpo and Oliveira 2007)"),
+        ("relief", "ten linear steps and five halvings in its shader (Policarpo et al. 2005)"),
+        ("cone", "15 cone steps, then halvings (Policarpo and Oliveira 2007)"),
         ("exact", "takes none"),
     ],
     run: misses,
@@ -65,6 +65,8 @@ const RAYS: usize = 1000;
 /// Of the ramp, texels.
 const HIGH: f64 = 8.0;
 const LONG: u32 = 64;
+/// By which courses are longer than the heights.
+const BEYOND_BOTH: f64 = 2.0 * rays::BEYOND;
 
 fn misses(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     let map = &lab.own.heights;
@@ -75,9 +77,10 @@ fn misses(lab: &Lab<'_>) -> Result<Vec<Curve>> {
 
 fn stairs(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     let ramp = rays::map([LONG, 4], |x, _| HIGH * f64::from(x) / f64::from(LONG));
-    // Side by side up the slope, clear of where the ramp falls off.
+    // Side by side up the slope, clear of where the ramp falls off: no way is longer than 14 texels.
     let course = |k: usize| {
-        let x = 0.1 + 0.8 * k as f64 / RAYS as f64;
+        // Half of the heights, and so half of the steps: whole waves.
+        let x = 0.28 + 0.5 * (1.0 + BEYOND_BOTH / HIGH) * k as f64 / RAYS as f64;
         let place = DVec2::new(x * f64::from(LONG), 1.0);
         rays::through(&ramp, place, HIGH * x, DVec2::X, DEGREES)
     };
