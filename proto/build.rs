@@ -4,13 +4,14 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 12] = [
+const PROTOS: [&str; 13] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
     "displace/v1/geometry.proto",
     "displace/v1/relief.proto",
     "displace/v1/look.proto",
+    "displace/v1/sequence.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/comparison.proto",

@@ -29,6 +29,7 @@ pub mod relief;
 pub mod report;
 pub mod request;
 pub mod scene;
+pub mod sequence;
 pub mod surface;
 pub mod weld;
 

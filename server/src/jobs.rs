@@ -28,6 +28,7 @@ mod registry;
 mod reliefs;
 mod render;
 mod seams;
+mod sequence;
 mod standard;
 mod statistics;
 mod strain;

@@ -2,6 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
+use crate::error::{Error, Result};
+
 use super::values::{View, length, not_negative, pixels, tolerance_share, view};
 
 #[derive(Clone, Debug, Default, Args)]
@@ -16,8 +18,8 @@ pub(crate) struct GeometryArgs {
     /// The same in world units
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_world: Option<f64>,
-    /// The same in pixels of every --view, 0.01 to 1000
-    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_hyphen_values = true, group = "refinement", requires = "view")]
+    /// The same in pixels of every --view, or of every frame of a sequence, 0.01 to 1000
+    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_px: Option<f64>,
     /// An image that --tolerance-px is meant for: eye, target, vertical degrees, size; up to 64 of them
     #[arg(long, value_name = "EYE;LOOK;FOV;WxH", value_parser = view, allow_hyphen_values = true, requires = "tolerance_px")]
@@ -56,6 +58,15 @@ impl GeometryArgs {
     /// Whether anything says how fine the result is.
     pub(crate) fn is_refined(&self) -> bool {
         self.uniform.is_some() || self.tolerance.or(self.tolerance_world).or(self.tolerance_px).is_some()
+    }
+
+    /// Pixels are those of some image: one of `--view`, where the command has no frames of its own.
+    pub(crate) fn require_views(&self) -> Result<()> {
+        if self.tolerance_px.is_none() || !self.view.is_empty() {
+            return Ok(());
+        }
+        let message = "--tolerance-px needs the images whose pixels are meant: give one or more --view 'EYE;LOOK;FOV;WxH', or render a sequence";
+        Err(Error::usage("--view", message))
     }
 
     /// A flag that says something of a tolerance.

@@ -51,6 +51,7 @@ fn surface(args: &ApplyArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
     let method = options::method(args.method, &groups, MethodArg::Displacement);
     let geometry = args.geometry.clone().or_tolerance();
+    geometry.require_views()?;
     let (mesh, look, compress, lods) = (args.mesh.clone(), args.look.clone(), args.compress, args.lods);
     Ok(Surface { mesh, groups, geometry, look, method, compress, lods })
 }

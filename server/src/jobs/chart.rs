@@ -1,6 +1,6 @@
 //! The job that charts time against error: the truth, then every setting of every method beside it.
 
-mod lens;
+pub(super) mod lens;
 mod page;
 mod pareto;
 mod svg;

@@ -2,7 +2,7 @@
 
 use displace_proto::v1::{self, job_update::Update};
 
-use super::{chart::to_chart, measurement::to_measurement, to_digest};
+use super::{chart::to_chart, measurement::to_measurement, sequence::to_sequence, to_digest};
 use crate::{
     domain::{
         image::MarchCounters,
@@ -73,6 +73,7 @@ fn to_report(report: &Report) -> v1::Report {
         normal_maps: report.normal_maps.iter().map(to_normal_map).collect(),
         counters: report.counters.map(to_counters),
         chart: report.chart.as_ref().map(to_chart),
+        sequence: report.sequence.as_ref().map(to_sequence),
     }
 }
 
