@@ -48,11 +48,12 @@ impl Work for SequenceWork {
         inputs.count(&mut report);
         report.passes = inputs.take_passes();
         let cameras = cameras::of(context, &mut inputs, request, &mut report)?;
+        let count = cameras.each.len();
         let mut film = Film::new(context, request, cameras, inputs, report);
         let (mut frames, mut outputs) = (Vec::new(), Vec::new());
-        for number in 0..request.cameras.len() {
+        for number in 0..count {
             context.cancel.check()?;
-            context.progress.pass("frame", number as u64, request.cameras.len() as u64);
+            context.progress.pass("frame", number as u64, count as u64);
             let (frame, files) = film.frame(number)?;
             frames.push(frame);
             outputs.extend(files.into_iter().map(|file| output(number, request.render.format, file)));

@@ -7,9 +7,12 @@ use crate::{
     config::Config,
     domain::{
         Error, Result, request,
-        sequence::{FRAMES, Frame, SequenceReport, SequenceRequest, SequenceTessellation},
+        request::CameraChoice,
+        sequence::{CameraAnimation, FRAMES, Frame, Pace, SequenceReport, SequenceRequest, SequenceTessellation},
     },
 };
+
+const FPS: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 
 /// Of a Render that has a sequence.
 pub(crate) fn sequence(mut message: v1::RenderRequest, config: &Config) -> Result<SequenceRequest> {
@@ -24,23 +27,53 @@ pub(crate) fn sequence(mut message: v1::RenderRequest, config: &Config) -> Resul
     }
     let tessellation = tessellation(&sequence, own_tolerance)?;
     let cameras = views.into_iter().map(|view| view.camera).collect();
-    let request = SequenceRequest { render, cameras, tessellation };
-    refuse_too_many(&request, config.job_bytes)?;
+    let animation = sequence.animation.as_ref().map(animation).transpose()?;
+    let request = SequenceRequest { render, cameras, animation, tessellation };
+    refuse_contradictions(&request)?;
+    request.check(config.job_bytes)?;
     Ok(request)
 }
 
-fn refuse_too_many(request: &SequenceRequest, allowed: u64) -> Result<()> {
-    let (needed, count) = (request.output_bytes(), request.cameras.len() as u64);
-    if needed <= allowed {
+fn animation(asked: &v1::CameraAnimation) -> Result<CameraAnimation> {
+    use v1::camera_animation::{Pace as Asked, Which};
+    let animation = match &asked.which {
+        Some(Which::Name(name)) => name.clone(),
+        Some(Which::Index(index)) => index.to_string(),
+        None => return Err(Error::invalid("sequence.animation.which", "is required; give name or index")),
+    };
+    let pace = match asked.pace {
+        Some(Asked::Frames(frames)) => {
+            let [least, most] = [FRAMES.start(), FRAMES.end()].map(|end| *end as u32);
+            Pace::Frames(super::at_most("sequence.animation.frames", frames, least, most)?)
+        }
+        Some(Asked::Fps(fps)) if FPS.contains(&fps) => Pace::Fps(fps),
+        Some(Asked::Fps(fps)) => {
+            let (least, most) = FPS.into_inner();
+            let message = format!("{fps} is out of range; allowed are {least} to {most} frames a second");
+            return Err(Error::invalid("sequence.animation.fps", message));
+        }
+        None => return Err(Error::invalid("sequence.animation.pace", "is required; give frames or fps")),
+    };
+    Ok(CameraAnimation { animation, pace })
+}
+
+/// An animation moves one camera, and that of the file.
+fn refuse_contradictions(request: &SequenceRequest) -> Result<()> {
+    if request.animation.is_none() {
         return Ok(());
     }
-    let message = format!(
-        "{count} frames of {} x {} pixels may take {needed} bytes of host memory; this server gives a job {allowed}: ask for up to {} of them, or smaller ones",
-        request.render.width,
-        request.render.height,
-        allowed / (needed / count).max(1)
-    );
-    Err(Error::too_large("views", message))
+    match &request.cameras[..] {
+        [CameraChoice::Default | CameraChoice::Named(_)] => Ok(()),
+        [_] => {
+            let message =
+                "stands still, and an animation moves a camera of the file: name one, or leave the camera out";
+            Err(Error::invalid("views[0]", message))
+        }
+        all => {
+            let message = format!("has {} entries; an animation makes frames of one view: give one", all.len());
+            Err(Error::invalid("views", message))
+        }
+    }
 }
 
 fn refuse_in_frames(message: &v1::RenderRequest) -> Result<()> {
