@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 15] = [
+const PROTOS: [&str; 16] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
@@ -13,6 +13,7 @@ const PROTOS: [&str; 15] = [
     "displace/v1/look.proto",
     "displace/v1/method.proto",
     "displace/v1/choice.proto",
+    "displace/v1/sequence.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/comparison.proto",

@@ -8,6 +8,7 @@ mod geometry;
 mod light;
 mod look;
 mod relief;
+mod sequence;
 pub(crate) mod values;
 
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, Quality
 pub(crate) use light::{AlphaArg, FilterArg, LayoutArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};
 pub(crate) use look::{LookArgs, ProjectionArg};
 pub(crate) use relief::{ReliefArgs, SelfShadowArg, SilhouettesArg};
+pub(crate) use sequence::{SequenceArgs, TessellationArg};
 pub(crate) use values::LightArg;
 
 const ABOUT: &str = "Tessellates, displaces and renders glTF meshes with Vulkan compute.";
@@ -237,8 +239,11 @@ Examples:
   displace render wall.glb --height bricks.png --scale 0.05 --method exact --self-shadow hard -o out.png
   displace render model.glb --aov depth,normal --eye 0,1,3 --look-at 0,0,0 --fov 40 -o layers.exr
   displace render model.glb --device reference --supersample 256 --shadows ray -o reference.exr
+  displace render wall.glb --height bricks.png --scale 0.05 --tolerance-px 0.5 --tessellation hysteresis \\
+                           --orbit 0,20 --orbit-frames 60 -o frames/out.png
 
-An EXR holds linear colour and every AOV as layers. Beside a PNG each AOV is written as NAME.AOV.png.";
+An EXR holds linear colour and every AOV as layers. Beside a PNG each AOV is written as NAME.AOV.png.
+Frames of a sequence are written as NAME-0000.png, NAME-0001.png, ...";
 
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_EXAMPLES)]
@@ -257,6 +262,8 @@ pub(crate) struct RenderArgs {
     pub(crate) look: LookArgs,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) sequence: SequenceArgs,
     /// How the detail is realised [default: auto; with --uniform, --tolerance, --tolerance-world, --view, --exact or
     /// --preimage vector with vector maps, displacement with others; normal with normal maps alone]
     #[arg(long, value_enum, help_heading = "Method")]

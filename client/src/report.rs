@@ -5,7 +5,7 @@ mod choice;
 use std::fmt::Write as _;
 
 use displace_proto::v1::{
-    Accuracy, EstimateResponse, Fit, Lod, MarchCounters, NormalMap, Report, ToleranceUnit, Warning,
+    Accuracy, EstimateResponse, Fit, Lod, MarchCounters, NormalMap, Report, SequenceReport, ToleranceUnit, Warning,
 };
 use serde_json::{Value, json};
 
@@ -57,6 +57,9 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
         value["choices"] = report.choices.iter().map(choice::json).collect();
     }
     put(&mut value, "counters", report.counters.as_ref().map(counters_json));
+    if let Some(sequence) = &report.sequence {
+        put_sequence(&mut value, sequence);
+    }
     value["warnings"] = warnings_json(&report.warnings);
     value["passes"] =
         report.passes.iter().map(|pass| json!({ "name": pass.name, "ms": pass.ms, "bytes": pass.bytes })).collect();
@@ -77,6 +80,34 @@ fn accuracy_json(accuracy: &Accuracy) -> Value {
 fn counters_json(counters: &MarchCounters) -> Value {
     let MarchCounters { rays, fetches, steps, cap_hits } = counters;
     json!({ "rays": rays, "fetches": fetches, "steps": steps, "cap_hits": cap_hits })
+}
+
+fn put_sequence(value: &mut Value, sequence: &SequenceReport) {
+    let frame = |(view, frame): (usize, &displace_proto::v1::SequenceFrame)| {
+        let mut value = json!({
+            "view": view,
+            "triangles": frame.triangles,
+            "ms": frame.ms,
+            "pop_px": frame.pop_px,
+            "morph": frame.morph,
+        });
+        put(&mut value, "tolerance_px", frame.tolerance_px);
+        value
+    };
+    value["frames"] = sequence.frames.iter().enumerate().map(frame).collect();
+    value["worst_pop_px"] = sequence.worst_pop_px.into();
+    value["tessellations"] = sequence.tessellations.into();
+}
+
+fn sequence_words(sequence: &SequenceReport) -> String {
+    let frames = &sequence.frames;
+    let mean = frames.iter().map(|frame| frame.triangles).sum::<u64>() / frames.len().max(1) as u64;
+    let (tessellations, pop) = (count(sequence.tessellations.into()), sequence.worst_pop_px);
+    format!(
+        "{} frames of {} triangles on average, {tessellations} tessellations; from frame to frame nothing jumps by more than {pop:.3} pixels\n",
+        frames.len(),
+        count(mean)
+    )
 }
 
 fn counters_words(counters: &MarchCounters) -> String {
@@ -177,6 +208,7 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
         let _ = writeln!(text, "stretch: 99 % at most {:.3}, largest {:.3}", stretch.p99, stretch.max);
     }
     text += &report.counters.as_ref().map(counters_words).unwrap_or_default();
+    text += &report.sequence.as_ref().map(sequence_words).unwrap_or_default();
     let stored = if report.cached { ", stored before this call" } else { "" };
     let _ = writeln!(text, "{} on {}{stored}", duration_ms(report.total_ms), report.device);
     for pass in &report.passes {

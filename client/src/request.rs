@@ -2,6 +2,7 @@
 
 mod geometry;
 mod relief;
+mod sequence;
 
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,7 @@ use crate::{
 
 pub(crate) use geometry::{base, geometry, seams};
 pub(crate) use relief::relief;
+pub(crate) use sequence::sequence;
 
 /// Blobs to upload, gathered while a request is made.
 #[derive(Debug, Default)]

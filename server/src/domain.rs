@@ -32,6 +32,7 @@ pub mod relief;
 pub mod report;
 pub mod request;
 pub mod scene;
+pub mod sequence;
 pub mod stability;
 pub mod surface;
 pub mod weld;

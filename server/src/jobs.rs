@@ -32,6 +32,7 @@ mod registry;
 mod reliefs;
 mod render;
 mod seams;
+mod sequence;
 mod stability;
 mod standard;
 mod statistics;

@@ -27,6 +27,7 @@ mod raster;
 mod refine;
 mod relief;
 mod relief_cli;
+mod sequence;
 mod service;
 mod shells;
 mod stability;

@@ -32,6 +32,7 @@ use displace_server::{
         plan::SurfacePlan,
         report::{Estimate, PassTime, Report, Warning},
         request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest, SourceRequest},
+        sequence::SequenceRequest,
         surface::{Shape, Surface},
     },
     jobs::{AssetReader, JobLimits, Output, Recipes, StandardRecipes, Work, WorkContext, WorkOutput},
@@ -194,6 +195,10 @@ impl Recipes for TestRecipes {
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work> {
         self.displace(request.surface)
+    }
+
+    fn sequence(&self, request: SequenceRequest) -> Box<dyn Work> {
+        StandardRecipes.sequence(request)
     }
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {

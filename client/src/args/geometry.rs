@@ -2,6 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
+use crate::error::{Error, Result};
+
 use super::values::{View, length, not_negative, pixels, tolerance_share, view};
 
 #[derive(Clone, Debug, Default, Args)]
@@ -16,7 +18,7 @@ pub(crate) struct GeometryArgs {
     /// The same in world units
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_world: Option<f64>,
-    /// The same in pixels of every --view, 0.01 to 1000; without any, of the image itself [render: 0.5]
+    /// The same in pixels of every --view, 0.01 to 1000; without any, of the image or of every frame [render: 0.5]
     #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_px: Option<f64>,
     /// An image that --tolerance-px is meant for: eye, target, vertical degrees, size; up to 64 of them
@@ -63,6 +65,15 @@ impl GeometryArgs {
     /// Whether that is something else than pixels of the image itself.
     pub(crate) fn is_fixed(&self) -> bool {
         self.uniform.is_some() || self.tolerance.or(self.tolerance_world).is_some() || !self.view.is_empty()
+    }
+
+    /// Pixels are those of some image: one of `--view`, where the command has no frames of its own.
+    pub(crate) fn require_views(&self) -> Result<()> {
+        if self.tolerance_px.is_none() || !self.view.is_empty() {
+            return Ok(());
+        }
+        let message = "--tolerance-px needs the images whose pixels are meant: give one or more --view 'EYE;LOOK;FOV;WxH', or render a sequence";
+        Err(Error::usage("--view", message))
     }
 
     /// A flag that says something of a tolerance.

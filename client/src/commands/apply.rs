@@ -49,16 +49,12 @@ pub(super) async fn perform(
 
 fn surface(args: &ApplyArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
-    if args.geometry.tolerance_px.is_some() && args.geometry.view.is_empty() {
-        let message =
-            "--view is missing: pixels are those of an image; add for example --view '0,1,3;0,0,0;40;1920x1080'";
-        return Err(Error::usage("--view", message));
-    }
     let method = match args.method {
         None if !args.geometry.view.is_empty() => MethodArg::Auto,
         asked => options::method(asked, &groups, MethodArg::Displacement),
     };
     let geometry = args.geometry.clone().or_tolerance();
+    geometry.require_views()?;
     let (mesh, look, compress, lods) = (args.mesh.clone(), args.look.clone(), args.compress, args.lods);
     Ok(Surface { mesh, groups, geometry, look, method, compress, lods })
 }

@@ -47,9 +47,12 @@ pub(super) async fn perform(
     if let Some(geometry) = surface.geometry.as_mut().filter(|_| args.exact) {
         geometry.refinement = Some(Refinement::Exact(true));
     }
+    let (views, sequence) = request::sequence(&args.camera, &args.sequence);
+    let is_sequence = sequence.is_some();
     let message = RenderRequest {
         surface: Some(surface),
-        views: vec![request::view(&args.camera)],
+        views,
+        sequence,
         lighting: Some(Lighting {
             relief: request::relief(&args.relief),
             ..request::lighting(&args.look, &args.light, environment)
@@ -61,7 +64,8 @@ pub(super) async fn perform(
     };
     let connection = session.connection().await?;
     let mut result = jobs::run(connection, &Job::Render(Box::new(message)), &parcel.blobs, progress).await?;
-    let outputs = placed(std::mem::take(&mut result.outputs), &args.output)?;
+    let outputs = std::mem::take(&mut result.outputs);
+    let outputs = if is_sequence { frames(outputs, &args.output)? } else { placed(outputs, &args.output)? };
     let written = save(connection, &outputs, progress).await?;
     Ok(Outcome::new(result, &parcel.notes, written))
 }
@@ -83,7 +87,8 @@ fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
 
 /// Whether nothing says what is to be made: neither a method, nor how fine its triangles are, nor what they alone have.
 fn chooses(args: &RenderArgs) -> bool {
-    args.method.is_none() && !args.geometry.is_fixed() && !args.exact && args.preimage.is_none()
+    let is_open = args.method.is_none() && !args.geometry.is_fixed() && !args.sequence.is_asked();
+    is_open && !args.exact && args.preimage.is_none()
 }
 
 fn format(path: &Path) -> Result<ImageFormat> {
@@ -123,6 +128,26 @@ fn placed(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
         .collect()
 }
 
+/// `0007.color.png` becomes `out-0007.png`, and its depth `out-0007.depth.png`.
+fn frames(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
+    let mut all = Vec::with_capacity(outputs.len());
+    for mut output in outputs {
+        let Some((number, name)) = output.name.split_once('.').filter(|(n, _)| n.bytes().all(|b| b.is_ascii_digit()))
+        else {
+            return Err(Error::internal(format!("the server named a frame '{}', without its number", output.name)));
+        };
+        let path = numbered(path, number);
+        output.name = name.to_owned();
+        all.extend(placed(vec![output], &path)?);
+    }
+    Ok(all)
+}
+
+fn numbered(path: &Path, number: &str) -> PathBuf {
+    let [stem, extension] = [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
+    path.with_file_name(format!("{stem}-{number}.{extension}"))
+}
+
 fn beside(path: &Path, what: &str) -> PathBuf {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_extension(format!("{what}.{extension}"))
@@ -138,6 +163,16 @@ mod tests {
         assert_eq!(format(Path::new("a.exr")), Ok(ImageFormat::Exr));
         assert_eq!(format(Path::new("a.jpg")).unwrap_err().field.as_deref(), Some("--output"));
         assert!(format(Path::new("a")).is_err());
+    }
+
+    #[test]
+    fn frames_are_numbered_before_the_ending() {
+        assert_eq!(numbered(Path::new("d/out.png"), "0012"), Path::new("d/out-0012.png"));
+        let output = |name: &str| Output { name: name.into(), ..Output::default() };
+        let placed = frames(vec![output("0003.color.png"), output("0003.depth.png")], Path::new("out.png")).unwrap();
+        let named: Vec<&Path> = placed.iter().map(|(_, target)| target.named()).collect();
+        assert_eq!(named, [Path::new("out-0003.png"), Path::new("out-0003.depth.png")]);
+        assert!(frames(vec![output("../x.png")], Path::new("out.png")).is_err());
     }
 
     #[test]

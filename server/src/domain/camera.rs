@@ -46,6 +46,11 @@ pub fn check(choice: &CameraChoice, scene: &Scene) -> Result<()> {
     }
 }
 
+/// As [`render_camera`], of a camera as files have them.
+pub fn file_camera(camera: &Camera, bounds: [[f32; 3]; 2], width: u32, height: u32) -> Result<RenderCamera> {
+    View::new(bounds, width, height).of_file(camera)
+}
+
 fn named<'s>(scene: &'s Scene, name: &str) -> Result<&'s Camera> {
     scene.cameras.iter().find(|camera| camera.name.as_deref() == Some(name)).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().filter_map(|c| c.name.as_deref()).map(|n| format!("'{n}'")).collect();

@@ -1,5 +1,7 @@
 //! Images to bytes: PNG in 8-bit sRGB with an extra file for each further output, or one EXR that holds all.
 
+mod ordered;
+
 use std::io::Cursor;
 
 use exr::prelude::{
@@ -317,7 +319,9 @@ fn encode_exr(images: &ImageSet, settings: Vec<(&str, AttributeValue)>) -> Resul
     let mut bytes = Cursor::new(Vec::new());
     let written = Image::from_layer(layer).write().to_buffered(&mut bytes);
     written.map_err(|error| Error::internal("the image could not be written as EXR").with_cause(error))?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    ordered::by_name(&mut bytes);
+    Ok(bytes)
 }
 
 #[cfg(test)]

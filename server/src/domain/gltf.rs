@@ -5,6 +5,7 @@
 //! error names the JSON path it is about. Decoding maps is `maps`' matter, welding `weld`'s.
 
 mod accessor;
+mod animation;
 mod compression;
 mod container;
 mod displacement;
@@ -31,6 +32,7 @@ use super::{
     scene::{Instance, Scene, SceneMesh},
     weld::weld,
 };
+pub use animation::{CameraWay, camera_way};
 pub use displacement::forget_displacement;
 use json::At;
 use source::Source;

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement, stability::Stability};
+use super::{
+    chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement, sequence::SequenceReport,
+    stability::Stability,
+};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -44,6 +47,9 @@ pub struct Report {
     /// What `chart` found where it was asked for stability.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stability: Option<Stability>,
+    /// The frames of a sequence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<SequenceReport>,
     pub warnings: Vec<Warning>,
     pub passes: Vec<PassTime>,
     pub total_ms: f64,

@@ -5,8 +5,10 @@
 //! | `layout.rs` | how fine vertices and triangles are numbered |
 //! | `pieces.rs` | the numbering of a mesh that is finer where it needs to be |
 //! | `arrangement.rs` | from a refined mesh to that numbering |
+//! | `common.rs` | two of them cut by one another, and what is between them |
 
 mod arrangement;
+mod common;
 mod layout;
 mod pieces;
 
@@ -15,6 +17,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 pub use arrangement::Arrangement;
+pub use common::Common;
 pub use layout::{Layout, Place};
 pub use pieces::{Pieces, Shape};
 

@@ -10,6 +10,7 @@ mod look;
 mod measurement;
 mod relief;
 mod request;
+mod sequence;
 mod stability;
 mod tolerance;
 mod update;
@@ -18,6 +19,7 @@ mod view;
 pub(super) use chart::chart;
 pub(super) use description::to_description;
 pub(super) use request::{compare, displace, estimate, measure, mesh_source, render};
+pub(super) use sequence::sequence;
 pub(super) use update::{to_estimate, to_update};
 pub(super) use view::MAX_VIEWS;
 

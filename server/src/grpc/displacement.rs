@@ -124,7 +124,12 @@ impl Displacement for DisplacementService {
         let updates = async {
             let store = self.store(request.metadata())?;
             let how = request.get_ref().surface.as_ref().map(how_of_surface).unwrap_or_default();
-            let request = convert::render("", request.into_inner(), &self.0.config)?;
+            let message = request.into_inner();
+            if message.sequence.is_some() {
+                let request = convert::sequence(message, &self.0.config)?;
+                return self.updates(&request.assets(), self.0.recipes.sequence(request), how, store).await;
+            }
+            let request = convert::render("", message, &self.0.config)?;
             self.updates(&request.assets(), self.0.recipes.render(request), how, store).await
         };
         answer(updates.await)

@@ -35,6 +35,7 @@ pub(super) fn render_scene(
     moments: bool,
 ) -> Result<RenderScene> {
     let bounds = bounds(scene, &surfaces);
+    let meshes = meshes(request, scene, (bumps, shown_reliefs), surfaces)?;
     let sets = UvSets::of(&scene.materials, bumps, shown_reliefs);
     let reflectors = looks::reflectors(&request.look, scene)?;
     let projection = request.surface.maps.projection;
@@ -42,14 +43,6 @@ pub(super) fn render_scene(
     let shown = looks::Shown { alpha, projection, moments, reliefs: shown_reliefs, steps };
     let relief = reliefs::settings(request, shown_reliefs);
     let materials = looks::materials(scene, &sets, bumps, shown)?;
-    let mut meshes = Vec::with_capacity(surfaces.len());
-    for (m, surface) in scene.meshes.iter().zip(surfaces) {
-        let mut warnings = Vec::new();
-        let mesh =
-            render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, (projection, relief), &mut warnings)?;
-        meshes.push(mesh);
-        scene.warnings.extend(warnings);
-    }
     let instances = scene.instances.iter();
     Ok(RenderScene {
         meshes,
@@ -71,8 +64,26 @@ pub(super) fn render_scene(
     })
 }
 
+/// The meshes of the renderer, of surfaces that are consumed.
+pub(super) fn meshes(
+    request: &RenderRequest,
+    scene: &mut Scene,
+    (bumps, shown_reliefs): (&Bumps, &Reliefs),
+    surfaces: Vec<Surface>,
+) -> Result<Vec<RenderMesh>> {
+    let sets = UvSets::of(&scene.materials, bumps, shown_reliefs);
+    let seen = (request.surface.maps.projection, reliefs::settings(request, shown_reliefs));
+    let mut meshes = Vec::with_capacity(surfaces.len());
+    for (m, surface) in scene.meshes.iter().zip(surfaces) {
+        let mut warnings = Vec::new();
+        meshes.push(render_mesh(&m.mesh, (&scene.materials, bumps), &sets, surface, seen, &mut warnings)?);
+        scene.warnings.extend(warnings);
+    }
+    Ok(meshes)
+}
+
 /// Box of the displaced scene, world units.
-fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
+pub(super) fn bounds(scene: &Scene, surfaces: &[Surface]) -> [[f32; 3]; 2] {
     let nothing = || (Vec3::INFINITY, Vec3::NEG_INFINITY);
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
     let of_instance = |instance: &crate::domain::scene::Instance| {

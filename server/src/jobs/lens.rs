@@ -12,7 +12,7 @@ use crate::domain::{
 const LEVEL: f64 = 1e-5;
 
 /// Triangles for the surface that are off by so many pixels at most.
-pub(super) fn within(tolerance_px: f64, camera: &RenderCamera, [width, height]: [u32; 2]) -> Refinement {
+pub(in crate::jobs) fn within(tolerance_px: f64, camera: &RenderCamera, [width, height]: [u32; 2]) -> Refinement {
     let allowed = match view(camera, [width, height]) {
         Some(view) => Allowed::Pixels { tolerance_px, views: vec![view] },
         // Without perspective a pixel is as long everywhere.
@@ -26,7 +26,7 @@ fn cotangent(camera: &RenderCamera) -> f64 {
 }
 
 /// The view of a camera with perspective. One that is not level is seen by a square around the circle around its image.
-fn view(camera: &RenderCamera, [width, height]: [u32; 2]) -> Option<ToleranceView> {
+pub(in crate::jobs) fn view(camera: &RenderCamera, [width, height]: [u32; 2]) -> Option<ToleranceView> {
     if camera.clip_from_view[15] != 0.0 {
         return None;
     }

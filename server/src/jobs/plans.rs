@@ -75,6 +75,15 @@ impl Plans {
         }
     }
 
+    /// Triangles stay within base triangles from now on.
+    pub(super) fn keep_within_base(&mut self) {
+        for plan in &mut self.each {
+            if let TessellationPlan::Tolerance(tolerance) = &mut plan.tessellation {
+                tolerance.spans_base = false;
+            }
+        }
+    }
+
     fn new(each: Vec<SurfacePlan>, budget: u64) -> Self {
         let sizes = each.iter().map(|plan| Size { vertices: plan.vertices, triangles: plan.triangles }).collect();
         Self { each, sizes, budget }

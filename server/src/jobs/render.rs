@@ -270,7 +270,7 @@ fn drawn(pixel: [u32; 2], plan: &ImagePlan, scene: &RenderScene, images: &ImageS
     preimage(plan, scene, pixel, triangle)?.draw()
 }
 
-fn layers_left_out() -> Warning {
+pub(super) fn layers_left_out() -> Warning {
     let message = format!(
         "in places more than {MAX_LAYERS} blended surfaces lie one behind the other, and those farther away are not shown: --alpha stochastic or mask shows all"
     );
@@ -304,7 +304,7 @@ pub(super) fn planned(inputs: &Inputs, limits: &JobLimits, request: &RenderReque
 }
 
 /// A device that traces takes samples as rays; others make a finer image and average it.
-fn with_samples(plan: ImagePlan, request: &RenderRequest, context: &WorkContext<'_>) -> Result<ImagePlan> {
+pub(super) fn with_samples(plan: ImagePlan, request: &RenderRequest, context: &WorkContext<'_>) -> Result<ImagePlan> {
     match (request.rays(), request.samples) {
         (Some(rays), _) if context.executor.traces_rays() => {
             refuse_counts(request)?;

@@ -1,15 +1,16 @@
 //! The jobs this version has.
 
-use super::{AssetReader, JobLimits, Recipes, Work, chart, compare, displace, measure, render, stability};
+use super::{AssetReader, JobLimits, Recipes, Work, chart, compare, displace, measure, render, sequence, stability};
 use crate::domain::{
     Digest, Result,
     chart::ChartRequest,
     describe::Description,
     report::Estimate,
     request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
+    sequence::SequenceRequest,
 };
 
-/// Requests become `displace`, `render`, `measure`, `compare` and `chart` jobs.
+/// Requests become `displace`, `render`, `measure`, `compare`, `chart` and `sequence` jobs.
 pub struct StandardRecipes;
 
 impl Recipes for StandardRecipes {
@@ -19,6 +20,10 @@ impl Recipes for StandardRecipes {
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work> {
         Box::new(render::RenderWork { request })
+    }
+
+    fn sequence(&self, request: SequenceRequest) -> Box<dyn Work> {
+        Box::new(sequence::SequenceWork { request })
     }
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work> {

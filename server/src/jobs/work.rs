@@ -10,6 +10,7 @@ use crate::{
         describe::Description,
         report::{Estimate, Report},
         request::{CompareRequest, DisplaceRequest, EstimateRequest, MeasureRequest, RenderRequest},
+        sequence::SequenceRequest,
     },
     render::{Executor, JobContext},
     store::TenantStore,
@@ -17,7 +18,7 @@ use crate::{
 
 /// One piece of work: a pure function of what `canonical` returns and of the assets that names.
 pub trait Work: Send + 'static {
-    /// Word for logs and statistics: `displace`, `render`, `measure`, `compare`, `chart`.
+    /// Word for logs and statistics: `displace`, `render`, `measure`, `compare`, `chart`, `sequence`.
     fn kind(&self) -> &'static str;
 
     /// Method in lower case, for statistics; what is worked on where a kind has none.
@@ -88,6 +89,8 @@ pub trait Recipes: Send + Sync + 'static {
     fn displace(&self, request: DisplaceRequest) -> Box<dyn Work>;
 
     fn render(&self, request: RenderRequest) -> Box<dyn Work>;
+
+    fn sequence(&self, request: SequenceRequest) -> Box<dyn Work>;
 
     fn compare(&self, request: CompareRequest) -> Box<dyn Work>;
 

@@ -159,14 +159,62 @@ pub(super) fn below(listed: &[usize], parents: &[Option<usize>]) -> Vec<bool> {
     known.into_iter().map(|k| k == Some(true)).collect()
 }
 
-fn local(at: &At<'_>) -> Result<DMat4> {
+pub(super) fn local(at: &At<'_>) -> Result<DMat4> {
     if let Some(matrix) = at.numbers::<16>("matrix")? {
         return Ok(DMat4::from_cols_array(&matrix));
     }
+    let (translation, rotation, scale) = parts(at)?;
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// Translation, rotation and scale, those of a node without a matrix.
+pub(super) fn parts(at: &At<'_>) -> Result<(DVec3, DQuat, DVec3)> {
     let translation = at.numbers("translation")?.map_or(DVec3::ZERO, DVec3::from_array);
     let rotation = at.numbers("rotation")?.map_or(DQuat::IDENTITY, DQuat::from_array);
     let scale = at.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
-    Ok(DMat4::from_scale_rotation_translation(scale, unit(rotation), translation))
+    Ok((translation, unit(rotation), scale))
+}
+
+/// Which nodes are whose children, what they hold, and which of them the default scene shows.
+pub(super) struct Tree {
+    pub(super) parents: Vec<Option<usize>>,
+    /// Nodes of the scene's cameras, as `Graph::cameras` has them.
+    pub(super) cameras: Vec<usize>,
+    /// Nodes that show a mesh, or are joints of one.
+    meshes: Vec<usize>,
+}
+
+/// Of a document that `read` has found sound.
+pub(super) fn tree(source: &Source<'_>) -> Result<Tree> {
+    let nodes = source.root.list("nodes")?;
+    let children = children(&nodes)?;
+    let parents = parents(&nodes, &children)?;
+    let roots = scene_roots(source, &parents, nodes.len())?;
+    let below = below(&roots, &parents);
+    let is_shown = |i: &usize| below[*i] || roots.contains(i);
+    let has = |key: &'static str| (0..nodes.len()).filter(move |i| source.has_in_node(*i, key));
+    let mut meshes: Vec<usize> = has("mesh").collect();
+    for skin in source.root.list("skins")? {
+        for joint in skin.list("joints")? {
+            meshes.push(joint.index_here(nodes.len(), "nodes")?);
+        }
+    }
+    let cameras = has("camera").filter(is_shown).collect();
+    Ok(Tree { parents, cameras, meshes })
+}
+
+impl Tree {
+    /// From the root to a node.
+    pub(super) fn path(&self, node: usize) -> Vec<usize> {
+        let mut path: Vec<usize> = std::iter::successors(Some(node), |node| self.parents[*node]).collect();
+        path.reverse();
+        path
+    }
+
+    /// A node with a mesh that moves when this one does.
+    pub(super) fn moves_mesh(&self, node: usize) -> Option<usize> {
+        self.meshes.iter().copied().find(|mesh| self.path(*mesh).contains(&node))
+    }
 }
 
 fn unit(rotation: DQuat) -> DQuat {

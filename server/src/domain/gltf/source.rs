@@ -70,6 +70,11 @@ impl<'a> Source<'a> {
         Ok(&self.accessors[at.index_here(self.accessors.len(), "accessors")?])
     }
 
+    /// Whether node `node`, which exists, has this key.
+    pub(super) fn has_in_node(&self, node: usize, key: &str) -> bool {
+        self.root.value["nodes"][node].get(key).is_some()
+    }
+
     pub(super) fn into_buffers(self) -> Vec<Bytes> {
         self.buffers
     }

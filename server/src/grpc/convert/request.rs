@@ -126,6 +126,10 @@ fn compression(field: &str, compression: i32) -> Result<Compression> {
 }
 
 pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) -> Result<RenderRequest> {
+    if request.sequence.is_some() {
+        let message = "is for Render: leave it out, and ask for one view";
+        return Err(Error::unsupported(join(path, "sequence"), message));
+    }
     let surface = request.surface.ok_or_else(|| Error::invalid(join(path, "surface"), "is required"))?;
     let surface = self::surface(&join(path, "surface"), with_tolerance(surface))?;
     if surface.compression != Compression::None {

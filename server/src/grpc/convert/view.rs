@@ -9,7 +9,7 @@ use crate::domain::{
     request::{CameraChoice, RenderRequest},
 };
 
-/// Views of one Render in this version.
+/// Views of one Render in this version, sequences apart.
 pub(crate) const MAX_VIEWS: usize = 1;
 
 const DEFAULT_SIZE: (u32, u32) = (1280, 720);
@@ -21,17 +21,26 @@ pub(super) struct View {
     pub(super) height: u32,
 }
 
+impl View {
+    pub(super) fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+}
+
 pub(super) fn parse(path: &str, views: Vec<v1::View>, max_pixels: u32) -> Result<View> {
     let count = views.len();
     if count > MAX_VIEWS {
         return Err(Error::unsupported(path, format!("has {count} entries; this version renders {MAX_VIEWS} a call")));
     }
     let view = views.into_iter().next().ok_or_else(|| Error::invalid(path, "is required; give one view"))?;
-    let path = format!("{path}[0]");
+    one(&format!("{path}[0]"), view, max_pixels)
+}
+
+pub(super) fn one(path: &str, view: v1::View, max_pixels: u32) -> Result<View> {
     Ok(View {
-        camera: camera(&path, view.camera)?,
-        width: pixels(&join(&path, "width"), view.width, DEFAULT_SIZE.0, max_pixels)?,
-        height: pixels(&join(&path, "height"), view.height, DEFAULT_SIZE.1, max_pixels)?,
+        camera: camera(path, view.camera)?,
+        width: pixels(&join(path, "width"), view.width, DEFAULT_SIZE.0, max_pixels)?,
+        height: pixels(&join(path, "height"), view.height, DEFAULT_SIZE.1, max_pixels)?,
     })
 }
 

@@ -1,0 +1,4 @@
+//! Frames one after the other: what is between two tessellations, and what the frames of a job show.
+
+mod common;
+mod frames;
