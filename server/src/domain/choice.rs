@@ -3,7 +3,10 @@
 use displace_glsl::methods::Method;
 use serde::{Deserialize, Serialize};
 
-use super::cost::Work;
+use super::{
+    chart::{self, Setting},
+    cost::Work,
+};
 
 /// What `Method::Auto` chose for one material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -93,17 +96,23 @@ impl Candidate {
         self.worst_px() <= tolerance_px
     }
 
+    /// As charts name it.
+    #[must_use]
+    pub fn setting(&self, tolerance_px: f64) -> Setting {
+        match self.method {
+            method if method.moves_vertices() => Setting::TolerancePx(tolerance_px),
+            _ if self.shell => Setting::Shell,
+            _ => Setting::None,
+        }
+    }
+
     #[must_use]
     pub fn weighed(&self, tolerance_px: f64) -> Weighed {
         let known = |px: f64| px.is_finite().then_some(px);
-        let setting = match self.method {
-            method if method.moves_vertices() => format!("{tolerance_px}px"),
-            _ if self.shell => "shell".into(),
-            _ => String::new(),
-        };
+        let named = chart::Candidate { method: self.method, setting: self.setting(tolerance_px) };
         Weighed {
             method: self.method.name().into(),
-            setting,
+            setting: named.setting(),
             predicted_px: known(self.error_px),
             predicted_outline_px: known(self.outline_px),
             cost_ms: self.cost_ms,

@@ -34,7 +34,7 @@ use crate::{
     render::JobContext,
 };
 
-pub(super) use candidates::{MOST_TEXELS, Seen, weigh};
+pub(super) use candidates::{MOST_TEXELS, Seen, Weighing, weigh};
 pub(super) use realised::displace_all;
 
 /// An image whose method, triangles and camera are known.
@@ -111,8 +111,9 @@ pub(super) fn settle(desk: Desk<'_>, request: &RenderRequest) -> Result<Settled>
     if settled.request.surface.method == Method::Auto {
         let mut passes = Vec::new();
         inputs::timed(desk.job.progress, "choose", &mut passes, || {
-            let weighed = candidates::weigh(desk, &settled.inputs, &settled.request, &camera, tolerance_px)?;
-            realised::realise(desk, &mut settled, weighed, &within)
+            let asked = settled.request.clone();
+            let weighed = weigh(desk, &settled.inputs, &asked, &camera, tolerance_px)?;
+            realised::realise(desk, &mut settled, &weighed, &within)
         })?;
         settled.passes = passes;
     } else {

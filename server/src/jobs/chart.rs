@@ -1,5 +1,6 @@
 //! The job that charts time against error: the truth, then every setting of every method beside it.
 
+mod chosen;
 pub(super) mod page;
 mod pareto;
 mod settings;
@@ -54,6 +55,8 @@ impl Work for ChartWork {
         let times = std::mem::take(&mut settings.passes);
         drop(settings);
         let swept = sweeps::all(context, &self.request, &Stand::new(&ground.scene))?;
+        let mut shown = shown;
+        chosen::mark(context, &self.request.truth, &truth, &mut shown)?;
         let (images, mut chart) = self.charted(context, &ground.title, &truth, shown);
         chart.sweeps = swept.points;
         let mut report = report(&ground, &left_out, swept.warnings);

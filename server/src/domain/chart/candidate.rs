@@ -79,7 +79,7 @@ impl Candidate {
             silhouettes: if self.setting == Setting::Shell { Silhouettes::Shell } else { Silhouettes::None },
         };
         request.samples = None;
-        request.aovs = vec![Aov::Depth, Aov::Position];
+        request.aovs = vec![Aov::Depth, Aov::Position, Aov::Uv];
         request
     }
 

@@ -28,11 +28,13 @@ pub(in crate::jobs) use seen::Seen;
 pub(in crate::jobs) const MOST_TEXELS: usize = 1 << 24;
 
 /// One material with a detail, and what shows it.
-pub(in crate::jobs) struct Weighing {
+pub(in crate::jobs) struct Weighing<'a> {
     /// None of primitives without one.
     pub(super) material: Option<usize>,
     /// Its heights, where they can be shown per pixel.
     pub(super) relief: Option<Arc<Relief>>,
+    /// The same as the image sees them.
+    pub(in crate::jobs) seen: Option<Seen<'a>>,
     pub(super) candidates: Vec<Candidate>,
     pub(super) picked: Picked,
     pub(super) tolerance_px: f64,
@@ -41,13 +43,13 @@ pub(in crate::jobs) struct Weighing {
 }
 
 /// Of every material with a detail, those without a name last.
-pub(in crate::jobs) fn weigh(
+pub(in crate::jobs) fn weigh<'a>(
     desk: Desk<'_>,
     inputs: &Inputs,
-    request: &RenderRequest,
+    request: &'a RenderRequest,
     camera: &RenderCamera,
     tolerance_px: f64,
-) -> Result<Vec<Weighing>> {
+) -> Result<Vec<Weighing<'a>>> {
     let of = details(inputs);
     let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
     let mut all = Vec::with_capacity(of.len());
@@ -59,7 +61,7 @@ pub(in crate::jobs) fn weigh(
         let candidates = candidates(desk, seen.as_ref(), is_vector(detail), tolerance_px);
         let picked = picked(&candidates, tolerance_px)?;
         let reason = refused.unwrap_or_default().into();
-        all.push(Weighing { material: *material, relief, candidates, picked, tolerance_px, reason });
+        all.push(Weighing { material: *material, relief, seen, candidates, picked, tolerance_px, reason });
     }
     agree_on_march(&mut all)?;
     agree_on_motion(&inputs.scene, &mut all);
@@ -122,8 +124,9 @@ fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, toleranc
 }
 
 /// An image has one method that marches, and outlines for all of it or none: where materials differ, exact is what all take.
-fn agree_on_march(all: &mut [Weighing]) -> Result<()> {
-    let marched = |w: &Weighing| Some(w.chosen()).filter(|c| c.method.marcher().is_some()).map(|c| (c.method, c.shell));
+fn agree_on_march(all: &mut [Weighing<'_>]) -> Result<()> {
+    let marched =
+        |w: &Weighing<'_>| Some(w.chosen()).filter(|c| c.method.marcher().is_some()).map(|c| (c.method, c.shell));
     let mut kinds: Vec<(Method, bool)> = Vec::new();
     for kind in all.iter().filter_map(marched) {
         if !kinds.contains(&kind) {
@@ -143,14 +146,14 @@ fn agree_on_march(all: &mut [Weighing]) -> Result<()> {
 }
 
 /// Where one material of a mesh is displaced all are: they share vertices.
-fn agree_on_motion(scene: &Scene, all: &mut [Weighing]) {
-    let together = |mesh: usize, w: &Weighing| {
+fn agree_on_motion(scene: &Scene, all: &mut [Weighing<'_>]) {
+    let together = |mesh: usize, w: &Weighing<'_>| {
         scene.meshes[mesh].mesh.primitives.iter().any(|primitive| primitive.material == w.material)
     };
     // What one mesh forces on a material another may have to follow.
     for _ in 0..all.len() {
         for mesh in 0..scene.meshes.len() {
-            let moves = |w: &Weighing| together(mesh, w) && w.chosen().method.moves_vertices();
+            let moves = |w: &Weighing<'_>| together(mesh, w) && w.chosen().method.moves_vertices();
             if !all.iter().any(moves) {
                 continue;
             }
@@ -161,7 +164,7 @@ fn agree_on_motion(scene: &Scene, all: &mut [Weighing]) {
     }
 }
 
-impl Weighing {
+impl Weighing<'_> {
     fn displace(&mut self, reason: &str) {
         let displaced = self.candidates.iter().position(|c| c.method.moves_vertices()).unwrap_or(0);
         let before = self.picked.chosen;

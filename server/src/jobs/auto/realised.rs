@@ -22,20 +22,20 @@ use crate::{
 pub(super) fn realise(
     desk: Desk<'_>,
     settled: &mut Settled,
-    weighings: Vec<Weighing>,
+    weighings: &[Weighing<'_>],
     within: &Refinement,
 ) -> Result<()> {
     let Settled { request, inputs, .. } = settled;
-    let moves = |weighing: &Weighing| weighing.chosen().method.moves_vertices();
+    let moves = |weighing: &Weighing<'_>| weighing.chosen().method.moves_vertices();
     let finest = if weighings.iter().any(moves) { within.clone() } else { Refinement::Uniform(0) };
-    request.surface.method = shown_by(&weighings);
+    request.surface.method = shown_by(weighings);
     request.surface.geometry.refinement = finest;
     request.look.relief.silhouettes =
         if weighings.iter().any(|w| w.chosen().shell) { Silhouettes::Shell } else { Silhouettes::None };
     let is_marched = request.surface.method.marcher().is_some_and(|marcher| marcher.finds_depth);
     let takes_light = is_marched && request.look.shadows != Shadows::None;
     request.look.relief.self_shadow = if takes_light { SelfShadow::Hard } else { SelfShadow::None };
-    give(desk, inputs, request, &weighings)?;
+    give(desk, inputs, request, weighings)?;
     settled.materials = weighings.iter().map(|weighing| weighing.material).collect();
     settled.choices = weighings.iter().map(|weighing| told(&inputs.scene, weighing)).collect();
     inputs.plans = Plans::make(&mut inputs.scene, &request.surface.geometry, desk.limits)?;
@@ -43,7 +43,7 @@ pub(super) fn realise(
 }
 
 /// The method that decides for the renderer: one that marches, else one that moves vertices, else one that bends normals.
-fn shown_by(weighings: &[Weighing]) -> Method {
+fn shown_by(weighings: &[Weighing<'_>]) -> Method {
     let methods = || weighings.iter().map(|weighing| weighing.chosen().method);
     methods()
         .find(|method| method.marcher().is_some())
@@ -53,8 +53,8 @@ fn shown_by(weighings: &[Weighing]) -> Method {
 }
 
 /// Takes details from materials that are not displaced, and gives them heights or slopes.
-fn give(desk: Desk<'_>, inputs: &mut Inputs, request: &RenderRequest, weighings: &[Weighing]) -> Result<()> {
-    let still: Vec<&Weighing> = weighings.iter().filter(|w| !w.chosen().method.moves_vertices()).collect();
+fn give(desk: Desk<'_>, inputs: &mut Inputs, request: &RenderRequest, weighings: &[Weighing<'_>]) -> Result<()> {
+    let still: Vec<&Weighing<'_>> = weighings.iter().filter(|w| !w.chosen().method.moves_vertices()).collect();
     if still.is_empty() {
         return Ok(());
     }
@@ -107,7 +107,7 @@ pub(in crate::jobs) fn displace_all(
     Ok(settled)
 }
 
-fn told(scene: &Scene, weighing: &Weighing) -> Choice {
+fn told(scene: &Scene, weighing: &Weighing<'_>) -> Choice {
     let Weighing { material, candidates, picked, tolerance_px, reason, .. } = weighing;
     let name = material.and_then(|m| scene.materials.get(m)).and_then(|material| material.name.clone());
     let weighed = |k: &usize| candidates[*k].weighed(*tolerance_px);
@@ -123,8 +123,8 @@ fn told(scene: &Scene, weighing: &Weighing) -> Choice {
     }
 }
 
-impl Weighing {
-    pub(super) fn chosen(&self) -> &Candidate {
+impl Weighing<'_> {
+    pub(in crate::jobs) fn chosen(&self) -> &Candidate {
         &self.candidates[self.picked.chosen]
     }
 }

@@ -73,6 +73,7 @@ impl Read {
 
 /// A point and its pictures, as PNG.
 pub(super) struct Shown {
+    pub(super) candidate: Candidate,
     pub(super) point: Point,
     /// All runs.
     took_ms: f64,
@@ -201,7 +202,8 @@ impl<'a> Settings<'a> {
     fn compared(&self, candidate: &Candidate, runs: &Runs) -> Result<Shown> {
         let picture = Picture::of_images("image", &runs.images)?;
         let (mut error, differences) = metrics::compare(&self.truth.picture, &picture, self.context.cancel)?;
-        error.hit_error_px = hit_error(&self.truth.towards(&picture), &picture).map(|error| error.p99);
+        let apart = || hit_error(&self.truth.towards(&picture), &picture).map(|error| error.p99);
+        error.hit_error_px = self.truth.reprojected_px(&runs.images).or_else(apart);
         let took = median(&runs.took).ok_or_else(|| Error::internal("a setting was never run"))?;
         let point = Point {
             name: candidate.name(),
@@ -224,7 +226,7 @@ impl<'a> Settings<'a> {
         };
         let difference = encode::encode_rgb8(differences.width, differences.height, &differences.colors())?;
         let took_ms = all_of(&runs.took);
-        Ok(Shown { point, took_ms, image: truth::png(&runs.images)?, difference })
+        Ok(Shown { candidate: *candidate, point, took_ms, image: truth::png(&runs.images)?, difference })
     }
 }
 

@@ -23,6 +23,8 @@ use crate::{
         self,
         image::{Exposure, OracleScene},
         metrics::picture::Picture,
+        reprojection::reprojected,
+        surface::{SeamChoice, Surface},
     },
 };
 
@@ -38,13 +40,17 @@ pub(super) struct Truth<'s> {
     pub(super) ms: f64,
     /// Rays a pixel.
     pub(super) samples: u32,
+    pub(super) ground: &'s Ground,
     seen: oracle::image::Camera<'s>,
+    surfaces: Vec<Surface<'s>>,
     pub(super) passes: Vec<PassTime>,
 }
 
 /// What it is made of: triangles for the surface, from where it is seen.
 pub(super) struct Ground {
     pub(super) scene: OracleScene,
+    pub(super) inputs: Inputs,
+    choice: SeamChoice,
     /// Of the meshes.
     pub(super) title: String,
     pub(super) triangles_in: u64,
@@ -63,7 +69,8 @@ pub(super) fn ground(context: &WorkContext<'_>, request: &RenderRequest) -> Resu
     })?;
     let (title, triangles_in) = (title(&inputs), inputs.estimate().triangles_in);
     let ms = start.elapsed().as_secs_f64() * 1e3;
-    Ok(Ground { scene, title, triangles_in, warnings: inputs.scene.warnings, passes, ms })
+    let (warnings, choice) = (inputs.scene.warnings.clone(), SeamChoice::from(&request.surface.geometry));
+    Ok(Ground { scene, inputs, choice, title, triangles_in, warnings, passes, ms })
 }
 
 pub(super) fn take<'s>(context: &WorkContext<'_>, request: &RenderRequest, ground: &'s Ground) -> Result<Truth<'s>> {
@@ -78,7 +85,11 @@ pub(super) fn take<'s>(context: &WorkContext<'_>, request: &RenderRequest, groun
         let images = seen.image(context.cancel, &progress)?;
         Ok((seen, images))
     })?;
+    let Inputs { scene, details, .. } = &ground.inputs;
+    let pairs = scene.meshes.iter().zip(details);
     Ok(Truth {
+        ground,
+        surfaces: pairs.map(|(m, details)| Surface::new(&m.mesh, details, ground.choice)).collect(),
         picture: Picture::of_images("render", &images)?,
         png: png(&images)?,
         camera: ground.scene.camera,
@@ -90,6 +101,14 @@ pub(super) fn take<'s>(context: &WorkContext<'_>, request: &RenderRequest, groun
 }
 
 impl Truth<'_> {
+    /// What 99 of 100 covered pixels of an image with texture coordinates are off by (`oracle::reprojection`).
+    pub(super) fn reprojected_px(&self, images: &ImageSet) -> Option<f64> {
+        let pixels = reprojected(&self.ground.inputs.scene, &self.surfaces, images, usize::MAX);
+        let mut errors: Vec<f64> = pixels.iter().map(|pixel| pixel.error_px).collect();
+        errors.sort_by(f64::total_cmp);
+        errors.get(errors.len().saturating_sub(1) * 99 / 100).copied().filter(|error_px| error_px.is_finite())
+    }
+
     /// What it shows on the rays on which another image took its places, which need not be those of the centres of pixels.
     pub(super) fn towards(&self, other: &Picture) -> Picture {
         let (Some(covered), Some(positions)) = (&other.covered, &other.positions) else { return Picture::default() };
