@@ -2,7 +2,7 @@
 //!
 //! `cargo chart` draws them and their page again from the figures that lie beside them; nothing is measured.
 //! `cargo chart measure [SET ...]` measures all sets, or those, on this machine, and draws. Two sets are of the maps of
-//! `DISPLACE_CORPUS`. `CHART_DEVICE` names the device.
+//! `DISPLACE_CORPUS`. `CHART_DEVICE` names the device, `CHART_SWEEPS` what is swept, all by default, nothing if empty.
 
 #[path = "../gallery/maps.rs"]
 mod maps;
@@ -25,6 +25,7 @@ use sets::{SETS, Set};
 /// What went wrong, in words.
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
+const SWEEPS: &str = "angle,distance,amplitude";
 /// All files together.
 const MOST_BYTES: u64 = 1_500_000;
 /// The word by which this program is told to be the command line.
@@ -57,10 +58,10 @@ fn measure(names: &[&str]) -> Result<()> {
     for set in SETS.iter().filter(|set| names.is_empty() || names.contains(&set.name)) {
         sets::write(set, scratch.path())?;
         charted(set, scratch.path())?;
-        let kept = folder().join(set.name);
+        let (made, kept) = (scratch.path().join(set.name), folder().join(set.name));
         fs::create_dir_all(&kept)?;
-        for name in ["chart.csv", "errors.csv", "chart.json"] {
-            fs::copy(scratch.path().join(set.name).join(name), kept.join(name))?;
+        for name in ["chart.csv", "errors.csv", "chart.json"].into_iter().filter(|name| made.join(name).is_file()) {
+            fs::copy(made.join(name), kept.join(name))?;
         }
         println!("{} is measured", set.name);
     }
@@ -72,6 +73,10 @@ fn charted(set: &Set, scratch: &Path) -> Result<()> {
     let mut command = Command::new(env::current_exe()?);
     command.env("XDG_DATA_HOME", scratch.join("data")).env_remove("DISPLACE_SERVER").current_dir(scratch);
     command.args(set.command.split_whitespace()).args(["-o", set.name]);
+    let sweeps = env::var("CHART_SWEEPS").unwrap_or_else(|_| SWEEPS.to_owned());
+    if !sweeps.is_empty() {
+        command.args(["--sweep", &sweeps]);
+    }
     if let Ok(device) = env::var("CHART_DEVICE") {
         command.args(["--device", &device]);
     }

@@ -53,11 +53,14 @@ fn section(set: &Set, chart: &Chart) -> String {
     }
     let _ = writeln!(html, "</ul>\n<img src=\"{name}/chart.svg\" alt=\"{name}: errors against time\">");
     html += &swept(name, chart);
+    let sweeps: Vec<&str> = chart.swept().into_iter().map(Sweep::name).collect();
+    let errors =
+        if sweeps.is_empty() { String::new() } else { format!("<a href=\"{name}/errors.csv\">errors.csv</a>, ") };
+    let sweeps = if sweeps.is_empty() { String::new() } else { format!(" --sweep {}", sweeps.join(",")) };
     let _ = writeln!(
         html,
-        "<details><summary>Command and tables</summary>\n<pre>{command} -o {name}</pre>\n\
-         <p><a href=\"{name}/chart.csv\">chart.csv</a>, <a href=\"{name}/errors.csv\">errors.csv</a>, \
-         <a href=\"{name}/chart.json\">chart.json</a></p></details>\n</section>"
+        "<details><summary>Command and tables</summary>\n<pre>{command}{sweeps} -o {name}</pre>\n\
+         <p><a href=\"{name}/chart.csv\">chart.csv</a>, {errors}<a href=\"{name}/chart.json\">chart.json</a></p></details>\n</section>"
     );
     html
 }

@@ -36,11 +36,9 @@ pub(crate) fn winners(chart: &Chart, metric: Metric, unit: &str) -> String {
         let settings: Vec<&str> =
             front[k..end].iter().map(|(point, _)| point.setting.as_str()).filter(|s| !s.is_empty()).collect();
         let settings = if settings.is_empty() { String::new() } else { format!(" ({})", settings.join(", ")) };
-        clauses.push(format!(
-            "{range} <b>{method}</b>{settings} in {} to {} ms",
-            written(front[k].0.ms),
-            written(front[end - 1].0.ms)
-        ));
+        let [least_ms, most_ms] = [front[k].0.ms, front[end - 1].0.ms].map(written);
+        let ms = if end == k + 1 { least_ms } else { format!("{least_ms} to {most_ms}") };
+        clauses.push(format!("{range} <b>{method}</b>{settings} in {ms} ms"));
         k = end;
     }
     let rest = front.last().map(|(_, error)| format!("; no setting comes below {}{unit}", written(*error)));

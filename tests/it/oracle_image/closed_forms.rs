@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use displace_server::domain::image::{Lighting, RenderLight};
+use displace_server::{
+    domain::image::{Lighting, RenderLight},
+    oracle::image::{Camera, Exposure},
+};
 use glam::{DVec2, DVec3};
 
 use super::{EYE, OracleMesh, OracleScene, direction, image, mesh, scene};
@@ -45,6 +48,26 @@ fn a_sphere_covers_the_ellipse_it_should() {
         // The sphere's facets lie up to 8e-5 inside it.
         assert!((covered / expected - 1.0).abs() < 2e-4, "{covered} pixels of {expected} at {centre}");
     }
+}
+
+#[test]
+fn towards_a_place_is_seen_what_its_ray_meets_first_before_or_behind_it() {
+    let scene = scene(sphere(DVec3::ZERO, 6), [1.0; 3], silhouette());
+    let exposure = Exposure { width: 64, height: 64, samples: 1, shadows: false };
+    let camera = Camera::new(&scene, &exposure).expect("a camera");
+    for [x, y] in [[0.0, 0.0], [0.11, -0.07], [0.2, 0.1]] {
+        let along = DVec3::new(x, y, -1.0).normalize();
+        // The nearer root of |EYE + t along| = 1.
+        let half = EYE.dot(along);
+        let met = EYE + (-half - (half * half - EYE.length_squared() + 1.0).sqrt()) * along;
+        for t in [0.5, 3.0, 9.0] {
+            let seen = camera.towards(EYE + t * along).expect("the sphere");
+            // Its facets lie up to 8e-5 inside it.
+            assert!(seen.distance(met) < 1.2e-4, "{seen} is not {met}");
+            assert!((seen - EYE).cross(along).length() < 1e-9, "on the ray");
+        }
+    }
+    assert_eq!(camera.towards(DVec3::new(2.0, 0.0, 0.0)), None);
 }
 
 /// Colour of base 0.5 under the default light: ambient 0.2, diffuse, highlight 0.2 cos³².
