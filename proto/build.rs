@@ -4,17 +4,20 @@ use std::{env, fs, path::PathBuf};
 
 use prost::Message as _;
 
-const PROTOS: [&str; 13] = [
+const PROTOS: [&str; 16] = [
     "displace/v1/common.proto",
     "displace/v1/base.proto",
     "displace/v1/tolerance.proto",
     "displace/v1/geometry.proto",
     "displace/v1/relief.proto",
     "displace/v1/look.proto",
+    "displace/v1/method.proto",
+    "displace/v1/choice.proto",
     "displace/v1/sequence.proto",
     "displace/v1/request.proto",
     "displace/v1/assets.proto",
     "displace/v1/comparison.proto",
+    "displace/v1/stability.proto",
     "displace/v1/chart.proto",
     "displace/v1/displacement.proto",
     "displace/v1/server.proto",

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use camera::CameraArgs;
-pub(crate) use chart::ChartArgs;
+pub(crate) use chart::{ChartArgs, SweepArg};
 pub(crate) use detail::{ChannelArg, DetailArgs, PresetArg, SamplingArg, SpaceArg, WrapArg};
 pub(crate) use geometry::{BaseArg, ErrorAtArg, GeometryArgs, NormalsArg, QualityArg, SeamsArg};
 pub(crate) use light::{AlphaArg, FilterArg, LayoutArg, LightArgs, MomentsArg, ShadingArg, ShadowsArg};
@@ -144,11 +144,14 @@ pub(crate) enum MethodArg {
     Cone,
     /// The first place at which the ray meets the heights, whatever they are
     Exact,
+    /// For each material the cheapest that is predicted to be within --tolerance-px
+    Auto,
 }
 
 impl MethodArg {
-    pub(crate) fn moves_vertices(self) -> bool {
-        matches!(self, Self::Displacement | Self::Vector)
+    /// Whether its triangles are made to be within one.
+    pub(crate) fn keeps_tolerance(self) -> bool {
+        matches!(self, Self::Displacement | Self::Vector | Self::Auto)
     }
 }
 
@@ -190,7 +193,7 @@ pub(crate) struct ApplyArgs {
     pub(crate) geometry: GeometryArgs,
     #[command(flatten)]
     pub(crate) look: LookArgs,
-    /// How the detail is realised [default: vector with vector maps, else displacement]
+    /// How the detail is realised [default: auto with --view; else vector with vector maps, displacement with others]
     #[arg(long, value_enum, help_heading = "Method")]
     pub(crate) method: Option<MethodArg>,
     /// How the GLB is packed; quantized positions are within half a step of 1/65535 of the mesh's longest side
@@ -230,6 +233,7 @@ pub(crate) enum AovArg {
 const RENDER_EXAMPLES: &str = "\
 Examples:
   displace render model.glb -o flat.png
+  displace render wall.glb --height bricks.png --scale 0.05 -o good_enough.png
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --orbit 30,20 -o out.png
   displace render wall.glb --height bricks.png --scale 0.05 --uniform 7 --camera Main --size 1920x1080 -o out.png
   displace render wall.glb --height bricks.png --scale 0.05 --method exact --self-shadow hard -o out.png
@@ -260,7 +264,8 @@ pub(crate) struct RenderArgs {
     pub(crate) camera: CameraArgs,
     #[command(flatten)]
     pub(crate) sequence: SequenceArgs,
-    /// How the detail is realised [default: vector with vector maps, displacement with others, flat with none]
+    /// How the detail is realised [default: auto; with --uniform, --tolerance, --tolerance-world, --view, --exact or
+    /// --preimage vector with vector maps, displacement with others; normal with normal maps alone]
     #[arg(long, value_enum, help_heading = "Method")]
     pub(crate) method: Option<MethodArg>,
     /// Samples a pixel: 4, 16, 64, 256 or 1024; with --device reference 1 to 1024 rays, traced in f64 [default: 4,

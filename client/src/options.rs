@@ -19,26 +19,25 @@ pub(crate) fn method(asked: Option<MethodArg>, groups: &[MaterialGroup], when_pl
         Some(method) => method,
         None if groups.is_empty() => when_plain,
         None if sources().any(Source::is_vector) => MethodArg::Vector,
-        None if sources().all(Source::is_normal) => MethodArg::Normal,
+        None if are_normals(groups) => MethodArg::Normal,
         None => MethodArg::Displacement,
     }
 }
 
-/// A render whose method moves vertices is told how finely.
-pub(crate) fn require_refinement(geometry: &GeometryArgs, method: MethodArg) -> Result<()> {
-    if geometry.is_refined() {
+/// Whether there is something, and nothing but normal maps.
+pub(crate) fn are_normals(groups: &[MaterialGroup]) -> bool {
+    let mut sources = groups.iter().flat_map(|group| &group.layers).map(|layer| &layer.source);
+    !groups.is_empty() && sources.all(Source::is_normal)
+}
+
+/// What says how a tolerance is kept is for methods that keep one.
+pub(crate) fn refuse_idle(geometry: &GeometryArgs, method: MethodArg) -> Result<()> {
+    if geometry.is_refined() || method.keeps_tolerance() {
         return Ok(());
     }
-    if let Some(flag) = geometry.tolerance_flag() {
-        let message =
-            format!("{flag} says how a tolerance is kept, and there is none; add for example --tolerance 1e-3");
-        return Err(Error::usage(flag, message));
-    }
-    if !method.moves_vertices() {
-        return Ok(());
-    }
-    let message = "--tolerance SHARE or --uniform LEVEL is missing: render with a method that moves vertices splits triangles, as few as stay within SHARE of the diagonal or each into 4^LEVEL; add for example --tolerance 1e-3 or --uniform 5";
-    Err(Error::usage("--tolerance", message))
+    let Some(flag) = geometry.tolerance_flag() else { return Ok(()) };
+    let message = format!("{flag} says how a tolerance is kept, and there is none; add for example --tolerance 1e-3");
+    Err(Error::usage(flag, message))
 }
 
 #[cfg(test)]
@@ -66,16 +65,16 @@ mod tests {
     }
 
     #[test]
-    fn a_render_that_moves_no_vertices_goes_without_refinement() {
+    fn what_says_how_a_tolerance_is_kept_needs_one() {
         let none = GeometryArgs::default();
-        for still in [MethodArg::Flat, MethodArg::Bump, MethodArg::Normal] {
-            assert!(require_refinement(&none, still).is_ok());
+        for method in [MethodArg::Flat, MethodArg::Bump, MethodArg::Exact, MethodArg::Displacement] {
+            assert!(refuse_idle(&none, method).is_ok());
         }
-        let refused = require_refinement(&none, MethodArg::Displacement);
-        assert_eq!(refused.err().and_then(|e| e.field).as_deref(), Some("--tolerance"));
-        assert!(require_refinement(&none.clone().or_tolerance(), MethodArg::Displacement).is_ok());
         let idle = GeometryArgs { quality: Some(QualityArg::High), ..none };
-        let refused = require_refinement(&idle, MethodArg::Flat);
+        let refused = refuse_idle(&idle, MethodArg::Flat);
         assert_eq!(refused.err().and_then(|e| e.field).as_deref(), Some("--quality"));
+        for method in [MethodArg::Displacement, MethodArg::Auto] {
+            assert!(refuse_idle(&idle, method).is_ok(), "within pixels of the image by default");
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The report of a job: the JSON of the contract, and the same facts in words.
 
+mod choice;
+
 use std::fmt::Write as _;
 
 use displace_proto::v1::{
@@ -50,6 +52,9 @@ pub(crate) fn json(report: &Report, outputs: &[Written]) -> Value {
     }
     if !report.normal_maps.is_empty() {
         value["normal_maps"] = report.normal_maps.iter().map(normal_map_json).collect();
+    }
+    if !report.choices.is_empty() {
+        value["choices"] = report.choices.iter().map(choice::json).collect();
     }
     put(&mut value, "counters", report.counters.as_ref().map(counters_json));
     if let Some(sequence) = &report.sequence {
@@ -182,6 +187,7 @@ pub(crate) fn words(report: &Report, outputs: &[Written]) -> String {
         count(report.triangles_in),
         count(report.vertices)
     );
+    text.extend(report.choices.iter().map(choice::words));
     text += &report.fit.as_ref().map(fit_words).unwrap_or_default();
     for (level, lod) in report.lods.iter().enumerate() {
         let (triangles, tolerance, bound) = (count(lod.triangles), lod.tolerance, lod.bound);

@@ -222,6 +222,7 @@ pub(crate) fn method(method: MethodArg) -> v1::Method {
         MethodArg::Relief => v1::Method::Relief,
         MethodArg::Cone => v1::Method::Cone,
         MethodArg::Exact => v1::Method::Exact,
+        MethodArg::Auto => v1::Method::Auto,
     }
 }
 

@@ -27,16 +27,34 @@ const int WINDOW = 32;           // texels around a cell within which others are
 const float WIDEST = 1048576.0;  // of cells that nothing bounds
 const float KEPT = 0.99999;      // more than rounding takes
 
-float height_at(ivec2 texel) {
+// Heights side by side: two across a way along the rows or the columns of the level.
+struct Pairs {
+    bool by_rows;
+    uvec2 across; // where the two are, without what is along
+};
+
+Pairs pairs_along(bool by_rows, ivec2 cell) {
     ivec2 size = ivec2(params.level.size);
-    uint at = params.level.height_first;
-    at += uint(tiled(texel.y, size.y, params.wrap >> 2) * size.x + tiled(texel.x, size.x, params.wrap & 3u));
-    return LOAD_TEXEL(at);
+    if (by_rows) {
+        uint wrap = params.wrap >> 2;
+        uvec2 rows = uvec2(tiled(cell.y, size.y, wrap), tiled(cell.y + 1, size.y, wrap));
+        return Pairs(true, params.level.height_first + rows * params.level.size.x);
+    }
+    uint wrap = params.wrap & 3u;
+    return Pairs(false, params.level.height_first + uvec2(tiled(cell.x, size.x, wrap), tiled(cell.x + 1, size.x, wrap)));
 }
 
-vec4 corners_of(ivec2 cell) {
-    return vec4(
-        height_at(cell), height_at(cell + ivec2(1, 0)), height_at(cell + ivec2(0, 1)), height_at(cell + ivec2(1, 1)));
+vec2 pair_at(Pairs pairs, int i) {
+    ivec2 size = ivec2(params.level.size);
+    uint along = pairs.by_rows
+        ? uint(tiled(i, size.x, params.wrap & 3u))
+        : uint(tiled(i, size.y, params.wrap >> 2)) * params.level.size.x;
+    return vec2(LOAD_TEXEL(pairs.across.x + along), LOAD_TEXEL(pairs.across.y + along));
+}
+
+// Of a cell: at (0, 0), (1, 0), (0, 1) and (1, 1).
+vec4 corners_of(bool by_rows, vec2 near, vec2 far) {
+    return by_rows ? vec4(near.x, far.x, near.y, far.y) : vec4(near, far);
 }
 
 float least_of(vec4 h) {
@@ -66,8 +84,7 @@ float least_product(vec2 a, vec2 b) {
     return min(min(a.x * b.x, a.x * b.y), min(a.y * b.x, a.y * b.y));
 }
 
-void look_at(ivec2 cell, ivec2 away, float low, inout Ring ring) {
-    vec4 h = corners_of(cell + away);
+void look_at(vec4 h, ivec2 away, float low, inout Ring ring) {
     vec2 along_x = vec2(h.y - h.x, h.w - h.z);
     vec2 along_y = vec2(h.z - h.x, h.w - h.y);
     ring.low = min(ring.low, vec2(min(along_x.x, along_x.y), min(along_y.x, along_y.y)));
@@ -85,22 +102,33 @@ float rise_of(Ring ring) {
     return min(length(max(abs(ring.low), abs(ring.high))), length(ring.high - ring.low));
 }
 
-// The cells that are r away, side by side.
-void look_around(ivec2 cell, int r, float low, inout Ring ring) {
-    [[dont_unroll]] for (int k = 0; k < 2 * r; ++k) {
-        look_at(cell, ivec2(k - r, -r), low, ring);
-        look_at(cell, ivec2(r, k - r), low, ring);
-        look_at(cell, ivec2(r - k, r), low, ring);
-        look_at(cell, ivec2(-r, r - k), low, ring);
+// Cells side by side, as many as told, the first so far away: neighbours share two heights.
+void look_along(bool by_rows, ivec2 cell, ivec2 away, int count, float low, inout Ring ring) {
+    Pairs pairs = pairs_along(by_rows, cell + away);
+    int i = by_rows ? cell.x + away.x : cell.y + away.y;
+    vec2 near = pair_at(pairs, i);
+    [[dont_unroll]] for (int k = 0; k < count; ++k) {
+        vec2 far = pair_at(pairs, i + k + 1);
+        look_at(corners_of(by_rows, near, far), away + (by_rows ? ivec2(k, 0) : ivec2(0, k)), low, ring);
+        near = far;
     }
 }
 
+// The cells that are r away.
+void look_around(ivec2 cell, int r, float low, inout Ring ring) {
+    look_along(true, cell, ivec2(-r, -r), 2 * r + 1, low, ring);
+    look_along(true, cell, ivec2(-r, r), 2 * r + 1, low, ring);
+    look_along(false, cell, ivec2(-r, 1 - r), 2 * r - 1, low, ring);
+    look_along(false, cell, ivec2(r, 1 - r), 2 * r - 1, low, ring);
+}
+
 float cone_of(ivec2 cell) {
-    vec4 h = corners_of(cell);
+    Pairs pairs = pairs_along(true, cell);
+    vec4 h = corners_of(true, pair_at(pairs, cell.x), pair_at(pairs, cell.x + 1));
     float low = least_of(h);
     float cone = own_cone(h);
     Ring ring = Ring(vec2(WIDEST), vec2(-WIDEST), WIDEST);
-    look_at(cell, ivec2(0), low, ring);
+    look_at(h, ivec2(0), low, ring);
     int r = 1;
     [[dont_unroll]] for (; r <= WINDOW && float(r - 1) < cone * (params.high - low); ++r) {
         ring.least = WIDEST;

@@ -22,6 +22,7 @@ pub enum Method {
     ParallaxIterative,
     Cone,
     Exact,
+    Auto,
 }
 
 /// How a method finds per pixel what is seen of heights.
@@ -214,6 +215,14 @@ pub const METHODS: &[MethodRow] = &[
             // Measured: cells are faster where 6 lattice lines are crossed, nodes where 19 are.
             setting: 12.0,
         }),
+    },
+    MethodRow {
+        method: Method::Auto,
+        name: "auto",
+        summary: "For each material the cheapest that is predicted to be within a tolerance in pixels.",
+        represents: &["height", "vector", "expression", "normal"],
+        cost: "as that of what it chooses; before it, a pyramid of each map",
+        marcher: None,
     },
 ];
 

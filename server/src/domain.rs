@@ -5,6 +5,9 @@ pub mod bump;
 pub mod camera;
 pub mod cancel;
 pub mod chart;
+pub mod choice;
+pub mod choose;
+pub mod cost;
 pub mod describe;
 pub mod detail;
 pub mod digest;
@@ -30,6 +33,7 @@ pub mod report;
 pub mod request;
 pub mod scene;
 pub mod sequence;
+pub mod stability;
 pub mod surface;
 pub mod weld;
 

@@ -6,7 +6,10 @@
 //! `compare`, `measure`, `chart`) and how it is asked for (`grpc`).
 
 mod admission;
+mod auto;
+mod breakdown;
 mod bumps;
+mod calibration;
 mod cautions;
 mod chart;
 mod compare;
@@ -17,6 +20,7 @@ mod images;
 mod inputs;
 mod job;
 mod key;
+mod lens;
 mod levels;
 mod looks;
 mod measure;
@@ -29,11 +33,13 @@ mod reliefs;
 mod render;
 mod seams;
 mod sequence;
+mod stability;
 mod standard;
 mod statistics;
 mod strain;
 mod work;
 
+pub use chart::drawings as chart_drawings;
 pub use job::{Finished, JobEvent, Listener};
 pub use key::{BUILD_ID, ResultKey};
 pub use owner::OpenExecutor;

@@ -41,6 +41,7 @@ pub mod overlay;
 pub mod parameter;
 pub mod predicates;
 pub mod ray;
+pub mod reprojection;
 pub mod sampled_error;
 pub mod samples;
 pub mod sheet;

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use crate::domain::{
     Error, ErrorKind, Result,
     cancel::{Cancel, Progress},
+    cost::CostModel,
     detail::Detail,
     image::{ImagePlan, ImageSet, RenderScene},
     mesh::Mesh,
@@ -66,6 +67,14 @@ pub trait Executor: Send + Sync {
 
     /// Part of every result key: results of different classes may differ in the last bits.
     fn device_class(&self) -> &str;
+
+    /// What the device was measured to take, where that is known; see `jobs::calibration`.
+    fn costs(&self) -> Option<CostModel> {
+        Some(CostModel::default())
+    }
+
+    /// Keeps what was measured, for this run and those to come.
+    fn keep_costs(&self, _measured: CostModel) {}
 
     /// Displaces one base mesh. `detail_of_primitive[p]` is the detail of primitive p, if it has one.
     fn displace(

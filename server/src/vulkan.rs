@@ -15,7 +15,7 @@
 
 mod access;
 mod batch;
-mod cache_file;
+pub(crate) mod cache_file;
 mod device;
 mod error;
 mod features;

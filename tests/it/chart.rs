@@ -1,5 +1,7 @@
 //! `displace chart` on sample data: what the folder holds, what the figures say, and what is refused.
 
+mod sweeps;
+
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -16,7 +18,7 @@ use serde_json::Value;
 
 const COLUMNS: &str = "method,setting,triangles,fetches,ms,ms_spread,error,metric,predicted,pareto,chosen";
 /// Small, and once each.
-const QUICK: [&str; 6] = ["--size", "64x64", "--repeats", "1", "--truth-samples", "16"];
+pub(crate) const QUICK: [&str; 6] = ["--size", "64x64", "--repeats", "1", "--truth-samples", "16"];
 
 /// A chart of rock on a plane, seen from aside, on the device.
 struct Rock {
@@ -39,11 +41,11 @@ fn rock() -> &'static Rock {
     })
 }
 
-fn path(path: &Path) -> &str {
+pub(crate) fn path(path: &Path) -> &str {
     path.to_str().expect("temporary folders are UTF-8")
 }
 
-fn run(words: &[&str], server: &str) -> Run {
+pub(crate) fn run(words: &[&str], server: &str) -> Run {
     displace(&[words, &["--server", server, "--json"]].concat())
 }
 
@@ -93,6 +95,8 @@ fn methods_that_find_the_surface_are_nearer_to_it_than_those_that_do_not() {
         let [fine, coarse] = ["displacement-0.25px", "displacement-4px"].map(|name| rock.error(name, metric));
         assert!(fine < coarse, "{metric}: 0.25 px {fine}, 4 px {coarse}");
     }
+    // Its places are those of the truth's rays: what is left is what the march and the map's levels are off by.
+    assert!(rock.error("exact-shell", "hit_error_px") < 0.5, "{}", rock.error("exact-shell", "hit_error_px"));
     // What is proven of the triangles is of distances to the surface; along a ray places may be farther apart.
     assert_eq!(rock.error("flat", "hit_error_px"), rock.error("bump", "hit_error_px"), "bump moves nothing");
 }
@@ -136,12 +140,14 @@ fn is_same(text: &str, number: &Value) -> bool {
 }
 
 #[test]
-fn the_drawing_is_xml_with_a_mark_for_each_point() {
+fn the_drawing_is_xml_with_a_mark_for_each_point_and_error() {
     let rock = rock();
     let text = rock.text("chart.svg");
     let svg = roxmltree::Document::parse(&text).expect("well-formed XML");
     let links: Vec<&str> = svg.descendants().filter_map(|node| node.attribute("href")).collect();
-    assert_eq!(links.len(), rock.points().len());
+    let errors = ["flip_mean", "hit_error_px", "silhouette_xor_px"];
+    let known = |point: &Value| errors.iter().filter(|error| point.get(**error).is_some()).count();
+    assert_eq!(links.len(), rock.points().iter().map(known).sum::<usize>());
     assert!(links.iter().all(|link| rock.folder.join(link).is_file()), "{links:?}");
 }
 

@@ -1,5 +1,6 @@
 //! The one integration binary: one module per topic, all over the harness in `tests/src`.
 mod across;
+mod auto;
 mod base;
 mod bump;
 mod chart;
@@ -29,6 +30,7 @@ mod relief_cli;
 mod sequence;
 mod service;
 mod shells;
+mod stability;
 mod tessellate;
 mod tidy;
 mod tolerance;

@@ -27,7 +27,11 @@ use displace_server::{
         image::{ImagePlan, ImageSet, RenderAlpha, RenderScene},
         request::{Aov, ImageFormat},
     },
-    render::{JobContext, image, reference_image},
+    render::{
+        JobContext,
+        image::{self, KeptCones},
+        reference_image,
+    },
     vulkan::{Device, DeviceOptions, Testing},
 };
 use displace_tests::meshes;
@@ -49,8 +53,14 @@ fn plan(scene: &RenderScene, width: u32, height: u32) -> ImagePlan {
 }
 
 fn render_plan(scene: &RenderScene, plan: &ImagePlan) -> ImageSet {
+    render_after(scene, plan, &KeptCones::default()).0
+}
+
+/// After renders that made these cones, with the names of its passes.
+fn render_after(scene: &RenderScene, plan: &ImagePlan, cones: &KeptCones) -> (ImageSet, Vec<String>) {
     let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
-    image::render(device(), &job, plan, scene).expect("renders").0
+    let (images, times) = image::render(device(), &job, plan, scene, cones).expect("renders");
+    (images, times.into_iter().map(|time| time.name).collect())
 }
 
 pub(crate) fn render(scene: &RenderScene, width: u32, height: u32) -> ImageSet {
@@ -225,7 +235,7 @@ fn pages_staging_and_batches_change_no_byte() {
         assert_eq!(device.has_int64_atomics(), !testing.no_int64_atomics);
         for scene in &scenes {
             let plan = plan(scene, 160, 120);
-            let found = image::render(&device, &job, &plan, scene).expect("renders").0;
+            let found = image::render(&device, &job, &plan, scene, &KeptCones::default()).expect("renders").0;
             assert!(found == render_plan(scene, &plan), "{testing:?}");
         }
     }

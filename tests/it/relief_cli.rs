@@ -51,8 +51,8 @@ fn what_a_march_has_no_use_for_is_refused_with_what_to_do() {
     let steep = "--height waves.png --scale 0.1 --method steep";
     for (mesh, flags, field, part) in [
         ("plane", "--method bump --height waves.png --steps 8", "lighting.relief.steps", "takes none"),
-        ("plane", "--self-shadow hard", "lighting.relief.self_shadow", "flat strikes nothing"),
-        ("plane", "--silhouettes shell", "lighting.relief.silhouettes", "take a method that finds depth"),
+        ("plane", "--method flat --self-shadow hard", "lighting.relief.self_shadow", "flat strikes nothing"),
+        ("plane", "--method flat --silhouettes shell", "lighting.relief.silhouettes", "take a method that finds depth"),
         ("plane", "--aov cost", "aovs[0]", "such a method"),
         ("plane", &format!("{steep} --tolerance 1e-3"), "surface.geometry.tolerance", "steep moves none"),
         ("plane", &format!("{steep} --exact"), "surface.geometry.exact", "--method displacement"),

@@ -13,6 +13,7 @@ pub mod maps;
 pub mod march;
 pub mod meshes;
 pub mod projective;
+pub mod reprojected;
 pub mod server;
 pub mod subdivided;
 pub mod surfaces;

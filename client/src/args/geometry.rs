@@ -18,7 +18,7 @@ pub(crate) struct GeometryArgs {
     /// The same in world units
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_world: Option<f64>,
-    /// The same in pixels of every --view, or of every frame of a sequence, 0.01 to 1000
+    /// The same in pixels of every --view, 0.01 to 1000; without any, of the image or of every frame [render: 0.5]
     #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_hyphen_values = true, group = "refinement")]
     pub(crate) tolerance_px: Option<f64>,
     /// An image that --tolerance-px is meant for: eye, target, vertical degrees, size; up to 64 of them
@@ -54,10 +54,17 @@ pub(crate) struct GeometryArgs {
 impl GeometryArgs {
     /// Share of the diagonal that `apply` keeps when nothing else is said.
     const TOLERANCE: f64 = 1e-3;
+    /// Pixels that `render` keeps.
+    const TOLERANCE_PX: f64 = 0.5;
 
     /// Whether anything says how fine the result is.
     pub(crate) fn is_refined(&self) -> bool {
         self.uniform.is_some() || self.tolerance.or(self.tolerance_world).or(self.tolerance_px).is_some()
+    }
+
+    /// Whether that is something else than pixels of the image itself.
+    pub(crate) fn is_fixed(&self) -> bool {
+        self.uniform.is_some() || self.tolerance.or(self.tolerance_world).is_some() || !self.view.is_empty()
     }
 
     /// Pixels are those of some image: one of `--view`, where the command has no frames of its own.
@@ -73,6 +80,11 @@ impl GeometryArgs {
     pub(crate) fn tolerance_flag(&self) -> Option<&'static str> {
         let flags = [("--error-at", self.error_at.is_some()), ("--quality", self.quality.is_some())];
         flags.into_iter().find_map(|(flag, given)| given.then_some(flag))
+    }
+
+    /// With the tolerance that `render` has by default, where nothing else is said.
+    pub(crate) fn or_pixels(self) -> Self {
+        if self.is_refined() { self } else { Self { tolerance_px: Some(Self::TOLERANCE_PX), ..self } }
     }
 
     /// With the tolerance that `apply` has by default, where nothing else is said.

@@ -49,7 +49,10 @@ pub(super) async fn perform(
 
 fn surface(args: &ApplyArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
-    let method = options::method(args.method, &groups, MethodArg::Displacement);
+    let method = match args.method {
+        None if !args.geometry.view.is_empty() => MethodArg::Auto,
+        asked => options::method(asked, &groups, MethodArg::Displacement),
+    };
     let geometry = args.geometry.clone().or_tolerance();
     geometry.require_views()?;
     let (mesh, look, compress, lods) = (args.mesh.clone(), args.look.clone(), args.compress, args.lods);

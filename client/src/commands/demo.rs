@@ -14,14 +14,14 @@ use std::{
 use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _};
 use serde_json::{Value, json};
 
-use super::{Session, apply, render, surface::Outcome};
+use super::{Session, apply, chart, render, surface::Outcome};
 use crate::{
     args::{Cli, Command, DemoArgs},
     error::{Error, Kind, Result},
     output::{Progress, Target, Terminal, bytes, duration_ms},
-    report,
+    report::{self, Written},
 };
-use scenes::SCENES;
+use scenes::{CHART, SCENES};
 
 /// One command of the demo, done.
 struct Step {
@@ -41,9 +41,11 @@ pub(super) async fn run(session: &Session, args: &DemoArgs, terminal: &mut Termi
         }
         scenes.push(steps);
     }
+    let chart = step(session, CHART.commands[0], &folder, terminal.progress()).await?;
     let total_ms = started.elapsed().as_secs_f64() * 1e3;
     let page = folder.join("index.html");
-    Target::new(&page)?.write(page::html(&scenes, total_ms).as_bytes())?;
+    Target::new(&page)?.write(page::html(&scenes, &chart, total_ms).as_bytes())?;
+    scenes.push(vec![chart]);
     tell(&scenes, &page, total_ms, terminal)
 }
 
@@ -66,11 +68,20 @@ async fn step(session: &Session, typed: &str, folder: &Path, progress: Progress)
     let outcome = match &cli.command {
         Command::Apply(args) => apply::perform(session, args, &matches, progress).await,
         Command::Render(args) => render::perform(session, args, &matches, progress).await,
+        Command::Chart(args) => chart::perform(session, args, &matches, progress).await,
         _ => Err(Error::internal(format!("the demo has no step '{typed}'"))),
     };
     let outcome =
         outcome.map_err(|e| Error { message: format!("{} (in the demo's step: {typed})", e.message), ..e })?;
     Ok(Step { typed: typed.to_owned(), outcome })
+}
+
+impl Step {
+    /// What is worth naming: of a chart its page, which leads to all else.
+    fn named(&self) -> impl Iterator<Item = &Written> {
+        let is_chart = self.outcome.report.chart.is_some();
+        self.outcome.written.iter().filter(move |written| !is_chart || written.media_type == "text/html")
+    }
 }
 
 /// Reads a step as the command line would, its files being those of the demo's folder.
@@ -97,11 +108,10 @@ fn tell(scenes: &[Vec<Step>], page: &Path, total_ms: f64, terminal: &mut Termina
             value
         })
         .collect();
-    let mut files: Vec<String> =
-        steps().flat_map(|step| &step.outcome.written).map(|written| written.path.clone()).collect();
+    let mut files: Vec<String> = steps().flat_map(Step::named).map(|written| written.path.clone()).collect();
     files.push(page.display().to_string());
     let mut words = String::new();
-    for written in steps().flat_map(|step| &step.outcome.written) {
+    for written in steps().flat_map(Step::named) {
         words += &format!("{}  {}\n", written.path, bytes(written.bytes));
     }
     words += &format!("\n{} commands in {}. Open {}\n", steps().count(), duration_ms(total_ms), page.display());
@@ -120,11 +130,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = prepare(&folder.path().join("new/demo")).unwrap();
         let mut outputs = HashSet::new();
-        for typed in SCENES.iter().flat_map(|scene| scene.commands) {
+        for typed in SCENES.iter().chain([&CHART]).flat_map(|scene| scene.commands) {
             let (cli, matches) = parse(typed, &folder).unwrap();
             let (mesh, output, detail) = match &cli.command {
                 Command::Apply(args) => (&args.mesh, args.output.clone().unwrap(), &args.detail),
                 Command::Render(args) => (&args.mesh, args.output.clone(), &args.detail),
+                Command::Chart(args) => (&args.mesh, args.output.clone(), &args.detail),
                 other => panic!("{other:?}"),
             };
             assert!(mesh.is_file(), "{typed}");
@@ -134,7 +145,8 @@ mod tests {
             parcel.details(&groups).unwrap();
             parcel.mesh(mesh).unwrap();
         }
-        let count = |ending: &str| outputs.iter().filter(|path| path.extension().unwrap() == ending).count();
+        assert!(outputs.iter().all(|path| path.starts_with(&folder)), "{outputs:?}");
+        let count = |ending: &str| outputs.iter().filter(|path| path.extension().is_some_and(|e| e == ending)).count();
         assert!(count("glb") >= 3 && count("png") >= 5);
     }
 }

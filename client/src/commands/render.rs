@@ -37,9 +37,6 @@ pub(super) async fn perform(
     let format = format(&args.output)?;
     refuse_repeated_aovs(args)?;
     Target::new(&args.output)?;
-    if !args.sequence.is_asked() {
-        args.geometry.require_views()?;
-    }
     let (mut surface, mut parcel) = surface.request(session).await?;
     let environment = args.light.env.clone();
     let (parcel, environment) = blocking(move || {
@@ -77,12 +74,21 @@ fn surface(args: &RenderArgs, matches: &ArgMatches) -> Result<Surface> {
     let groups = options::groups(&args.detail, matches)?;
     // Who says how fine wants the surface even where the details are those of the file.
     let plain = if args.geometry.is_refined() { MethodArg::Displacement } else { MethodArg::Flat };
-    let method = options::method(args.method, &groups, plain);
-    if !args.exact {
-        options::require_refinement(&args.geometry, method)?;
-    }
-    let (mesh, geometry, look) = (args.mesh.clone(), args.geometry.clone(), args.look.clone());
+    let method = match options::method(args.method, &groups, plain) {
+        _ if chooses(args) && !options::are_normals(&groups) => MethodArg::Auto,
+        method => method,
+    };
+    options::refuse_idle(&args.geometry, method)?;
+    let geometry = args.geometry.clone();
+    let geometry = if method.keeps_tolerance() && !args.exact { geometry.or_pixels() } else { geometry };
+    let (mesh, look) = (args.mesh.clone(), args.look.clone());
     Ok(Surface { mesh, groups, geometry, look, method, compress: CompressArg::None, lods: 1 })
+}
+
+/// Whether nothing says what is to be made: neither a method, nor how fine its triangles are, nor what they alone have.
+fn chooses(args: &RenderArgs) -> bool {
+    let is_open = args.method.is_none() && !args.geometry.is_fixed() && !args.sequence.is_asked();
+    is_open && !args.exact && args.preimage.is_none()
 }
 
 fn format(path: &Path) -> Result<ImageFormat> {

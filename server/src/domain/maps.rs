@@ -16,7 +16,7 @@ pub use bumps::resolve_bumps;
 pub use color::{Encoding, color_map, texture_map};
 pub use moments::SlopeMaps;
 pub use pixels::{Pixels, decode};
-pub use reliefs::resolve_reliefs;
+pub use reliefs::{marchable, resolve_reliefs};
 pub use resolve::{AssetBytes, Details, resolve};
 
 /// Largest width or height of a map.

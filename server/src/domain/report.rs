@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{chart::Chart, image::MarchCounters, measurement::Measurement, sequence::SequenceReport};
+use super::{
+    chart::Chart, choice::Choice, image::MarchCounters, measurement::Measurement, sequence::SequenceReport,
+    stability::Stability,
+};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -35,9 +38,15 @@ pub struct Report {
     /// Of methods that show heights per pixel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counters: Option<MarchCounters>,
+    /// Of `Method::Auto`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
     /// What `chart` found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chart: Option<Chart>,
+    /// What `chart` found where it was asked for stability.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// The frames of a sequence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<SequenceReport>,

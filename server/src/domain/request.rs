@@ -103,6 +103,15 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// Pixels that its triangles may be off by in its own camera, where that is what decides.
+    #[must_use]
+    pub fn own_camera_px(&self) -> Option<f64> {
+        match &self.surface.geometry.tolerance()?.allowed {
+            Allowed::Pixels { tolerance_px, views } if views.is_empty() => Some(*tolerance_px),
+            _ => None,
+        }
+    }
+
     /// As [`DisplaceRequest::assets`].
     #[must_use]
     pub fn assets(&self) -> Vec<Digest> {

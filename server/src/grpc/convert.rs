@@ -2,6 +2,7 @@
 //! path of the field in the error; inside the server nobody checks again.
 
 mod chart;
+mod choice;
 mod description;
 mod details;
 mod geometry;
@@ -10,6 +11,7 @@ mod measurement;
 mod relief;
 mod request;
 mod sequence;
+mod stability;
 mod tolerance;
 mod update;
 mod view;

@@ -1,26 +1,29 @@
 //! The job that charts time against error: the truth, then every setting of every method beside it.
 
-pub(super) mod lens;
-mod page;
+mod chosen;
+pub(super) mod page;
 mod pareto;
-mod svg;
-mod sweep;
+mod settings;
+pub(super) mod svg;
+mod sweeps;
 mod table;
 mod truth;
 
 use super::{Output, Work, WorkContext, WorkOutput, render::image_bytes, work::canonical};
 use crate::domain::{
     Error, ErrorKind, Result,
-    chart::{Candidate, Chart, ChartRequest, LeftOut, Metric},
+    chart::{Candidate, Chart, ChartRequest, LeftOut},
     report::{Report, Warning},
 };
-use sweep::{Shown, Sweep};
-use truth::Truth;
+use settings::{Read, Settings, Shown};
+use sweeps::Stand;
+use truth::{Ground, Truth};
 
 /// Images held at once: the truth, one that is made again, and what comparing them takes.
 const IMAGES: u64 = 4;
 /// Triangles that uniform levels may have for each pixel.
 const TRIANGLES_PER_PIXEL: u64 = 2;
+const SVG: &str = "image/svg+xml";
 
 pub(super) struct ChartWork {
     pub(super) request: ChartRequest,
@@ -45,23 +48,21 @@ impl Work for ChartWork {
     }
 
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
-        let truth = truth::take(context, &self.request.truth)?;
-        let candidates = self.candidates(&truth);
-        let mut sweep = Sweep::new(context, &self.request, &truth);
-        let (mut shown, mut left_out) = (Vec::new(), self.request.left_out.clone());
-        for (done, candidate) in candidates.iter().enumerate() {
-            context.cancel.check()?;
-            context.progress.pass(&candidate.label(), done as u64, candidates.len() as u64);
-            match sweep.show(candidate) {
-                Ok(one) => shown.push(one),
-                Err(error) if ends_the_job(&error) => return Err(error),
-                Err(error) => left_out.push(told(*candidate, &error)),
-            }
+        let ground = truth::ground(context, &self.request.truth)?;
+        let truth = truth::take(context, &self.request.truth, &ground)?;
+        let mut settings = Settings::new(context, &self.request, &truth, Read::keeping(1));
+        let (shown, left_out) = self.shown(context, &ground, &mut settings)?;
+        let times = std::mem::take(&mut settings.passes);
+        drop(settings);
+        let swept = sweeps::all(context, &self.request, &Stand::new(&ground.scene))?;
+        let mut shown = shown;
+        chosen::mark(context, &self.request.truth, &truth, &mut shown)?;
+        let (images, mut chart) = self.charted(context, &ground.title, &truth, shown);
+        chart.sweeps = swept.points;
+        let mut report = report(&ground, &left_out, swept.warnings);
+        for times in [truth.passes, times, swept.passes] {
+            super::inputs::add_times(&mut report.passes, times);
         }
-        let times = std::mem::take(&mut sweep.passes);
-        let (images, chart) = self.charted(context, &truth, shown);
-        let mut report = report(&truth, &left_out);
-        super::inputs::add_times(&mut report.passes, times);
         let mut outputs = documents(&chart, &report.warnings)?;
         outputs.push(png("truth.png".into(), truth.png));
         outputs.extend(images);
@@ -71,15 +72,42 @@ impl Work for ChartWork {
 }
 
 impl ChartWork {
-    fn candidates(&self, truth: &Truth) -> Vec<Candidate> {
+    /// Every setting, and those that failed.
+    fn shown(
+        &self,
+        context: &WorkContext<'_>,
+        ground: &Ground,
+        settings: &mut Settings<'_>,
+    ) -> Result<(Vec<Shown>, Vec<LeftOut>)> {
+        let candidates = self.candidates(ground);
+        let (mut shown, mut left_out) = (Vec::new(), self.request.left_out.clone());
+        for (done, candidate) in candidates.iter().enumerate() {
+            context.cancel.check()?;
+            context.progress.pass(&candidate.label(), done as u64, candidates.len() as u64);
+            match settings.show(candidate) {
+                Ok(one) => shown.push(one),
+                Err(error) if ends_the_job(&error) => return Err(error),
+                Err(error) => left_out.push(told(*candidate, &error)),
+            }
+        }
+        Ok((shown, left_out))
+    }
+
+    fn candidates(&self, ground: &Ground) -> Vec<Candidate> {
         let ChartRequest { truth: request, candidates, .. } = &self.request;
         let most = TRIANGLES_PER_PIXEL * u64::from(request.width) * u64::from(request.height);
         let displacing = request.surface.method;
-        let levels = displacing.moves_vertices().then(|| Candidate::levels(displacing, truth.triangles_in, most));
+        let levels = displacing.moves_vertices().then(|| Candidate::levels(displacing, ground.triangles_in, most));
         candidates.iter().copied().chain(levels.into_iter().flatten()).collect()
     }
 
-    fn charted(&self, context: &WorkContext<'_>, truth: &Truth, shown: Vec<Shown>) -> (Vec<Output>, Chart) {
+    fn charted(
+        &self,
+        context: &WorkContext<'_>,
+        title: &str,
+        truth: &Truth<'_>,
+        shown: Vec<Shown>,
+    ) -> (Vec<Output>, Chart) {
         let (mut images, mut points) = (Vec::new(), Vec::new());
         for Shown { point, image, difference, .. } in shown {
             images.push(png(format!("{}.png", point.name), image));
@@ -88,7 +116,7 @@ impl ChartWork {
         }
         pareto::mark(&mut points);
         let chart = Chart {
-            title: truth.title.clone(),
+            title: title.into(),
             device: context.executor.device_name().into(),
             driver: context.executor.driver().into(),
             width: self.request.truth.width,
@@ -96,13 +124,14 @@ impl ChartWork {
             truth_samples: truth.samples,
             truth_ms: truth.ms,
             points,
+            sweeps: Vec::new(),
         };
         (images, chart)
     }
 }
 
 /// What a setting cannot help, and what would be the same for all others.
-fn ends_the_job(error: &Error) -> bool {
+pub(super) fn ends_the_job(error: &Error) -> bool {
     use ErrorKind::{Busy, Cancelled, DataLoss, Missing, Unavailable};
     matches!(error.kind, Cancelled | Unavailable | DataLoss | Missing(_) | Busy { .. })
 }
@@ -114,9 +143,9 @@ fn told(candidate: Candidate, error: &Error) -> LeftOut {
     LeftOut { candidate, reason: error.to_string() }
 }
 
-fn report(truth: &Truth, left_out: &[LeftOut]) -> Report {
-    let warnings = truth.warnings.iter().cloned().chain(LeftOut::warnings(left_out)).collect();
-    Report { triangles_in: truth.triangles_in, warnings, passes: truth.passes.clone(), ..Report::default() }
+fn report(ground: &Ground, left_out: &[LeftOut], of_sweeps: Vec<Warning>) -> Report {
+    let warnings = ground.warnings.iter().cloned().chain(LeftOut::warnings(left_out)).chain(of_sweeps).collect();
+    Report { triangles_in: ground.triangles_in, warnings, passes: ground.passes.clone(), ..Report::default() }
 }
 
 fn png(name: String, bytes: Vec<u8>) -> Output {
@@ -125,16 +154,29 @@ fn png(name: String, bytes: Vec<u8>) -> Output {
 
 /// What tells of all points.
 fn documents(chart: &Chart, warnings: &[Warning]) -> Result<Vec<Output>> {
-    let made = [
-        ("chart.csv", "text/csv", table::csv(chart)),
-        ("chart.json", "application/json", table::json(chart, warnings)?),
-        ("chart.svg", "image/svg+xml", svg::document(chart, Metric::Flip)),
-        ("index.html", "text/html", page::html(chart, warnings)),
+    let mut made = vec![
+        ("chart.csv".to_owned(), "text/csv", table::csv(chart)),
+        ("chart.json".to_owned(), "application/json", table::json(chart, warnings)?),
+        ("index.html".to_owned(), "text/html", page::html(chart, warnings)),
     ];
-    let output = |(name, media_type, text): (&str, &str, String)| Output {
-        name: name.into(),
+    made.extend(drawings(chart));
+    if !chart.sweeps.is_empty() {
+        made.push(("errors.csv".to_owned(), "text/csv", table::errors(chart)));
+    }
+    let output = |(name, media_type, text): (String, &str, String)| Output {
+        name,
         media_type: media_type.into(),
         bytes: text.into_bytes().into(),
     };
     Ok(made.into_iter().map(output).collect())
+}
+
+/// Every drawing of a chart: names, media types and texts.
+#[must_use]
+pub fn drawings(chart: &Chart) -> Vec<(String, &'static str, String)> {
+    let mut drawings = vec![("chart.svg".to_owned(), SVG, svg::document(chart))];
+    for sweep in chart.swept() {
+        drawings.push((format!("errors-{}.svg", sweep.name()), SVG, svg::sweep_document(chart, sweep)));
+    }
+    drawings
 }

@@ -15,6 +15,7 @@ use super::{
 use crate::{
     domain::{
         Result, camera,
+        cancel::Cancel,
         image::{RenderCamera, RenderInstance},
         mesh::{Attribute, Mesh},
         projection::ProjectionBox,
@@ -63,12 +64,9 @@ pub(super) fn scene(
     let bare: Vec<Vec<_>> = scene.meshes.iter().map(|m| vec![None; m.mesh.primitives.len()]).collect();
     let bases: Vec<Surface<'_>> =
         scene.meshes.iter().zip(&bare).map(|(m, bare)| Surface::new(&m.mesh, bare, choice)).collect();
-    let coarse = COARSE * scene.diagonal;
-    let coarsely = diced(context, scene, &surfaces, &|_, world| world > coarse)?;
-    let bounds = bounds(scene, &coarsely);
-    let camera = camera::render_camera(&request.camera, scene, bounds, request.width, request.height)?;
+    let camera = framed(context.cancel, scene, &surfaces, request)?;
     let lens = Lens::new(&camera, request.height, NEAREST * scene.diagonal);
-    let finely = diced(context, scene, &surfaces, &|places, world| lens.pixels(places, world) > residual_px)?;
+    let finely = diced(context.cancel, scene, &surfaces, &|places, world| lens.pixels(places, world) > residual_px)?;
     let parts = surfaces.iter().zip(&bases).zip(&finely).enumerate();
     let meshes = parts
         .map(|(mesh, ((surface, base), dicing))| oracle_mesh(inputs, &sets, mesh, [surface, base], dicing))
@@ -91,9 +89,23 @@ pub(super) fn scene(
     })
 }
 
+/// The camera of an image of the surface itself, whatever will stand for it.
+pub(super) fn camera(cancel: &Cancel, inputs: &Inputs, request: &RenderRequest) -> Result<RenderCamera> {
+    let choice = SeamChoice::from(&request.surface.geometry);
+    let pairs = inputs.scene.meshes.iter().zip(&inputs.details);
+    let surfaces: Vec<Surface<'_>> = pairs.map(|(m, details)| Surface::new(&m.mesh, details, choice)).collect();
+    framed(cancel, &inputs.scene, &surfaces, request)
+}
+
+fn framed(cancel: &Cancel, scene: &Scene, surfaces: &[Surface<'_>], request: &RenderRequest) -> Result<RenderCamera> {
+    let coarse = COARSE * scene.diagonal;
+    let coarsely = diced(cancel, scene, surfaces, &|_, world| world > coarse)?;
+    camera::render_camera(&request.camera, scene, bounds(scene, &coarsely), request.width, request.height)
+}
+
 /// `is_coarse` gets the places of a region in world space and its deviation there.
 fn diced(
-    context: &WorkContext<'_>,
+    cancel: &Cancel,
     scene: &Scene,
     surfaces: &[Surface<'_>],
     is_coarse: &(dyn Fn(&[DVec3], f64) -> bool + Sync),
@@ -114,7 +126,7 @@ fn diced(
             })
         };
         let limits = Limits { max_triangles: left, ..Limits::default() };
-        let dicing = dice(surface, &limits, context.cancel, &wants_more)?;
+        let dicing = dice(surface, &limits, cancel, &wants_more)?;
         left = left.saturating_sub(dicing.triangles.len());
         all.push(dicing);
     }

@@ -175,11 +175,12 @@ pub(super) fn scene(assets: &dyn AssetReader, mesh: &Digest, resources: &[(Strin
 }
 
 fn details(assets: &dyn AssetReader, scene: &Scene, request: &DisplaceRequest) -> Result<maps::Details> {
-    if !request.method.moves_vertices() {
+    let chooses = request.method == Method::Auto;
+    if !request.method.moves_vertices() && !chooses {
         return Ok(maps::Details::default());
     }
     let details = maps::resolve(scene, &request.details, &|digest| assets.read(digest))?;
-    if details.is_empty() {
+    if details.is_empty() && !chooses {
         return Err(Error::invalid(
             "details",
             "neither the request nor the mesh's materials have a detail: give a height map, a vector map or an expression, or choose method flat",

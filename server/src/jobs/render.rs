@@ -3,20 +3,27 @@
 use displace_glsl::{layout::raster::MAP_BASE_COLOR, reference::composite::MAX_LAYERS};
 
 use super::{
-    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput, bumps, exact, fits, images, inputs,
-    inputs::Inputs, looks, plans, reliefs, seams, strain, work::canonical,
+    AssetReader, BUILD_ID, JobLimits, Output, Work, WorkContext, WorkOutput,
+    auto::{self, Desk, Settled},
+    breakdown, bumps, calibration, exact, fits, images, inputs,
+    inputs::Inputs,
+    looks, plans, reliefs, seams, strain,
+    work::canonical,
 };
 use crate::{
     domain::{
         Error, Result, camera,
         cancel::{Cancel, NoProgress},
+        choice::Choice,
+        cost::CostModel,
         encode,
         image::{
-            ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderMaterial, RenderScene, Silhouettes,
+            ImageContents, ImagePlan, ImageSet, ImageSettings, Lighting, RenderCamera, RenderMaterial, RenderScene,
+            Silhouettes,
         },
         projection::Projection,
         report::{Estimate, PassTime, Report, Warning},
-        request::{Aov, ImageFormat, RenderRequest, Shadows},
+        request::{Aov, ImageFormat, Method, RenderRequest, Shadows},
     },
     oracle::{self, image::Exposure},
     render::{Executor, JobContext, reference_image::preimage},
@@ -50,19 +57,24 @@ impl Work for RenderWork {
     fn run(&self, context: &WorkContext<'_>) -> Result<WorkOutput> {
         let request = &self.request;
         refuse_rays(request, context.executor)?;
-        let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
-        reliefs::check(&inputs, request, context)?;
-        with_samples(planned(&inputs, context.limits, request)?, request, context)?;
-        let device = context.executor.device_name().to_owned();
-        let mut report = Report { method: self.method().into(), device, ..Report::default() };
-        inputs.count(&mut report);
-        let exact = request.surface.geometry.is_exact();
-        let take = if exact { Self::take_exactly } else { Self::take };
-        let Taken { images, settings, mut passes, preimage } = take(self, context, &mut inputs, &mut report)?;
+        let model = self.model(context)?;
+        let job = context.job();
+        let (assets, limits, traces_rays) = (context.assets, context.limits, context.executor.traces_rays());
+        let desk = Desk { assets, limits, job: &job, model, traces_rays };
+        let mut settled = auto::settle(desk, request)?;
+        let (mut report, mut taken) = taken(context, &mut settled)?;
+        if !settled.measure(&taken.images) {
+            settled = auto::displace_all(desk, request, &settled, MISSED)?;
+            (report, taken) = self::taken(context, &mut settled)?;
+        }
+        let Taken { mut images, settings, mut passes, preimage } = taken;
+        keep_asked(&mut images, request);
         let encode = || encode::encode_with(&images, request.format, Some(&settings));
         let files = inputs::timed(context.progress, "encode", &mut passes, encode)?;
-        report.warnings = inputs.scene.warnings;
-        report.passes = passes;
+        report.warnings = settled.inputs.scene.warnings;
+        report.passes = settled.passes;
+        inputs::add_times(&mut report.passes, passes);
+        report.choices = settled.choices;
         let ending = match request.format {
             ImageFormat::Png => "png",
             ImageFormat::Exr => "exr",
@@ -81,6 +93,60 @@ impl Work for RenderWork {
     }
 }
 
+/// Why what was chosen is not what is shown.
+const MISSED: &str = "what was chosen was measured to be off by more than the tolerance, so that all is displaced";
+
+/// What a settled request shows.
+fn taken(context: &WorkContext<'_>, settled: &mut Settled) -> Result<(Report, Taken)> {
+    let aovs = settled.measured_aovs();
+    let Settled { request, inputs, camera, choices, .. } = settled;
+    reliefs::check(inputs, request, context)?;
+    with_samples(planned(inputs, context.limits, request)?, request, context)?;
+    let device = context.executor.device_name().to_owned();
+    let mut report = Report { method: shown_by(request, choices), device, ..Report::default() };
+    inputs.count(&mut report);
+    let taking = Taking { request, camera: *camera, aovs };
+    let take = if request.surface.geometry.is_exact() { Taking::take_exactly } else { Taking::take };
+    let taken = take(&taking, context, inputs, &mut report)?;
+    Ok((report, taken))
+}
+
+/// One name where one method shows all.
+fn shown_by(request: &RenderRequest, choices: &[Choice]) -> String {
+    let mut names = choices.iter().map(|choice| choice.chosen.method.as_str());
+    match names.next() {
+        None => request.surface.method.name().into(),
+        Some(first) if names.all(|name| name == first) => first.into(),
+        Some(_) => Method::Auto.name().into(),
+    }
+}
+
+/// Nothing that was made to be measured alone.
+fn keep_asked(images: &mut ImageSet, request: &RenderRequest) {
+    let asked = |aov| request.aovs.contains(&aov);
+    if !asked(Aov::Triangle) {
+        images.triangle = None;
+    }
+    if !asked(Aov::Depth) {
+        images.depth = None;
+    }
+    if !asked(Aov::Position) {
+        images.position = None;
+    }
+    if !asked(Aov::Uv) {
+        images.uv = None;
+    }
+}
+
+/// A settled request that is made an image.
+struct Taking<'a> {
+    request: &'a RenderRequest,
+    /// Else what is made decides.
+    camera: Option<RenderCamera>,
+    /// Besides those asked for.
+    aovs: &'static [Aov],
+}
+
 /// An image, and how it was taken.
 struct Taken {
     images: ImageSet,
@@ -91,9 +157,16 @@ struct Taken {
 }
 
 impl RenderWork {
+    /// What a choice goes by.
+    fn model(&self, context: &WorkContext<'_>) -> Result<CostModel> {
+        if self.request.surface.method == Method::Auto { calibration::of(context) } else { Ok(CostModel::default()) }
+    }
+}
+
+impl Taking<'_> {
     /// Of triangles. Where a plan could not count them, the image is planned again once they are made.
     fn take(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
-        let request = &self.request;
+        let request = self.request;
         let (mut surfaces, mut passes) = inputs.displaced(context)?;
         inputs.count(report);
         planned(inputs, context.limits, request)?;
@@ -118,21 +191,27 @@ impl RenderWork {
             images::render_scene(request, &mut inputs.scene, shown, surfaces, environment, moments)
         };
         let mut scene = inputs::timed(context.progress, "decode_images", &mut passes, decode)?;
-        if request.preimage.is_some() && !scene.aovs.contains(&Aov::Triangle) {
-            scene.aovs.push(Aov::Triangle);
+        scene.camera = self.camera.unwrap_or(scene.camera);
+        if self.camera.is_none() {
+            let found = inputs::timed(context.progress, "predict", &mut passes, || {
+                breakdown::warnings(context, inputs, request, &scene.camera)
+            })?;
+            inputs.scene.warnings.extend(found);
+        }
+        for aov in self.aovs.iter().chain(request.preimage.map(|_| &Aov::Triangle)) {
+            if !scene.aovs.contains(aov) {
+                scene.aovs.push(*aov);
+            }
         }
         let plan = with_samples(ImagePlan::new(request.width, request.height, &scene.contents())?, request, context)?;
         refuse_projected_shadows(&plan, &scene)?;
-        let (mut images, times) = context.executor.render(&context.job(), &plan, &scene)?;
+        let (images, times) = context.executor.render(&context.job(), &plan, &scene)?;
         report.counters = images.counters;
         inputs::add_times(&mut passes, times);
         if images.layers_left_out {
             inputs.scene.warnings.push(layers_left_out());
         }
         let preimage = request.preimage.map(|pixel| drawn(pixel, &plan, &scene, &images)).transpose()?;
-        if !request.aovs.contains(&Aov::Triangle) {
-            images.triangle = None;
-        }
         let samples = plan.rays.map_or(plan.samples * plan.supersample.pow(2), |rays| rays.samples);
         let settings = self.settings(samples, scene.lighting.clone(), 0.0, context.executor);
         Ok(Taken { images, settings, passes, preimage })
@@ -140,7 +219,7 @@ impl RenderWork {
 
     /// Of the surface itself.
     fn take_exactly(&self, context: &WorkContext<'_>, inputs: &mut Inputs, report: &mut Report) -> Result<Taken> {
-        let request = &self.request;
+        let request = self.request;
         let mut passes = Vec::new();
         let scene = inputs::timed(context.progress, "dice", &mut passes, || {
             exact::scene(context, inputs, request, exact::RESIDUAL_PX)
@@ -266,17 +345,14 @@ pub(super) fn image_bytes(request: &RenderRequest) -> u64 {
 }
 
 pub(super) fn estimate(assets: &dyn AssetReader, limits: &JobLimits, request: &RenderRequest) -> Result<Estimate> {
-    let inputs = Inputs::load(
-        assets,
-        limits,
-        &JobContext { cancel: &Cancel::default(), progress: &NoProgress },
-        &request.surface,
-    )?;
+    let job = JobContext { cancel: &Cancel::default(), progress: &NoProgress };
+    let desk = Desk { assets, limits, job: &job, model: CostModel::default(), traces_rays: false };
+    let Settled { inputs, request, .. } = auto::settle(desk, request)?;
     let geometry = inputs.estimate();
-    let plan = planned(&inputs, limits, request)?;
+    let plan = planned(&inputs, limits, &request)?;
     Ok(Estimate {
         device_bytes: geometry.device_bytes.map(|bytes| bytes.max(plan.device_bytes)),
-        output_bytes: geometry.output_bytes.map(|bytes| bytes + image_bytes(request)),
+        output_bytes: geometry.output_bytes.map(|bytes| bytes + image_bytes(&request)),
         ..geometry
     })
 }

@@ -1,6 +1,6 @@
 //! The jobs this version has.
 
-use super::{AssetReader, JobLimits, Recipes, Work, chart, compare, displace, measure, render, sequence};
+use super::{AssetReader, JobLimits, Recipes, Work, chart, compare, displace, measure, render, sequence, stability};
 use crate::domain::{
     Digest, Result,
     chart::ChartRequest,
@@ -31,6 +31,9 @@ impl Recipes for StandardRecipes {
     }
 
     fn chart(&self, request: ChartRequest) -> Box<dyn Work> {
+        if request.stability {
+            return Box::new(stability::StabilityWork { request });
+        }
         Box::new(chart::ChartWork { request })
     }
 

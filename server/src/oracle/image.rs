@@ -74,51 +74,64 @@ pub struct Exposure {
 /// Takes an image of the scene; the same scene gives the same bytes. Tells the progress of the pass `image` in
 /// rows. Fails when cancelled, or when the scene has too many triangles to number.
 pub fn render(scene: &OracleScene, exposure: &Exposure, cancel: &Cancel, progress: &dyn Progress) -> Result<ImageSet> {
-    let camera = Camera::new(scene, exposure)?;
-    let done = AtomicU64::new(0);
-    let row = |y: u32| {
-        cancel.check()?;
-        let row: Vec<Pixel> = (0..exposure.width).map(|x| camera.pixel(x, y)).collect();
-        progress.pass("image", done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(exposure.height));
-        Ok(row)
-    };
-    let rows: Vec<Vec<Pixel>> = (0..exposure.height).into_par_iter().map(row).collect::<Result<_>>()?;
-    let mut images = empty_images(exposure, &scene.aovs);
-    images.clip_from_world = Some(scene.camera.clip_from_world());
-    rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
-    Ok(images)
+    Camera::new(scene, exposure)?.image(cancel, progress)
 }
 
-struct Camera<'s> {
+/// A scene, ready to be looked at.
+pub struct Camera<'s> {
+    scene: &'s OracleScene,
+    exposure: Exposure,
     world: World<'s>,
     view: View,
     lighting: &'s Lighting,
     sky: Option<Sky<'s>>,
     shading: Shading,
     bounces: u32,
-    samples: u32,
-    shadows: bool,
     wants_centre: bool,
 }
 
 impl<'s> Camera<'s> {
-    fn new(scene: &'s OracleScene, exposure: &Exposure) -> Result<Self> {
+    /// Fails when the scene has too many triangles to number.
+    pub fn new(scene: &'s OracleScene, exposure: &Exposure) -> Result<Self> {
         let view = View::new(&scene.camera, exposure.width, exposure.height);
         if scene.shading == Shading::Pbr {
             // Before the threads of the image would wait for it.
             Albedo::table();
         }
         Ok(Self {
+            scene,
+            exposure: *exposure,
             world: World::new(scene, view.mirrored)?,
             view,
             lighting: &scene.lighting,
             sky: scene.lighting.environment.as_deref().map(Sky::new),
             shading: scene.shading,
             bounces: scene.bounces,
-            samples: exposure.samples,
-            shadows: exposure.shadows,
             wants_centre: !scene.aovs.is_empty(),
         })
+    }
+
+    /// As [`render`].
+    pub fn image(&self, cancel: &Cancel, progress: &dyn Progress) -> Result<ImageSet> {
+        let Exposure { width, height, .. } = self.exposure;
+        let done = AtomicU64::new(0);
+        let row = |y: u32| {
+            cancel.check()?;
+            let row: Vec<Pixel> = (0..width).map(|x| self.pixel(x, y)).collect();
+            progress.pass("image", done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(height));
+            Ok(row)
+        };
+        let rows: Vec<Vec<Pixel>> = (0..height).into_par_iter().map(row).collect::<Result<_>>()?;
+        let mut images = empty_images(&self.exposure, &self.scene.aovs);
+        images.clip_from_world = Some(self.scene.camera.clip_from_world());
+        rows.into_iter().flatten().enumerate().for_each(|(i, pixel)| pixel.store(i, &mut images));
+        Ok(images)
+    }
+
+    /// What is seen in the direction of a place, before or behind it.
+    #[must_use]
+    pub fn towards(&self, place: DVec3) -> Option<DVec3> {
+        self.world.place(&self.view.ray(self.view.px(place)))
     }
 
     fn pixel(&self, x: u32, y: u32) -> Pixel {
@@ -133,10 +146,10 @@ impl<'s> Camera<'s> {
                 Follow { eye: eye(&ray), places, directions: Directions { by, sample }, bounces: self.bounces };
             self.radiance(&ray, &follow)
         };
-        let sum: DVec3 = (0..self.samples).map(radiance).sum();
+        let sum: DVec3 = (0..self.exposure.samples).map(radiance).sum();
         let centre = if self.wants_centre { self.world.seen(&ray([0.5; 2])) } else { None };
         let depth = centre.map_or(f64::INFINITY, |seen| self.view.depth(seen.position));
-        Pixel { color: sum / f64::from(self.samples), depth, centre }
+        Pixel { color: sum / f64::from(self.exposure.samples), depth, centre }
     }
 
     fn radiance(&self, ray: &Segment, follow: &Follow) -> DVec3 {
@@ -163,7 +176,7 @@ impl<'s> Camera<'s> {
             let color = model.direct(light, at);
             let towards = arriving_from(light, seen.position, at);
             let is_dark = color == DVec3::ZERO
-                || (self.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
+                || (self.exposure.shadows && self.world.is_shadowed(seen, towards.direction, towards.distance));
             if is_dark { DVec3::ZERO } else { color }
         };
         let direct: DVec3 = self.lighting.lights.iter().enumerate().map(of_light).sum();

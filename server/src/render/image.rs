@@ -34,32 +34,35 @@ use crate::{
     vulkan::{Device, Recorder},
 };
 
+pub use relief::KeptCones;
 use streams::{SceneStreams, WorkStreams};
 use tables::Tables;
 use textures::Textures;
 
 /// Renders the scene. The same plan and scene give the same bytes on the same device, whatever the size of
-/// the slabs.
+/// the slabs. `cones` are those of earlier renders on the same device.
 pub fn render(
     device: &Arc<Device>,
     job: &JobContext<'_>,
     plan: &ImagePlan,
     scene: &RenderScene,
+    cones: &KeptCones,
 ) -> Result<(ImageSet, Vec<PassTime>)> {
     check_plan(plan)?;
     let (side, fine) = (plan.supersample, plan.fine());
     let mut around = Vec::new();
     let reflections = reflections(scene, |plan, scene| {
-        let (images, times) = render(device, job, plan, scene)?;
+        let (images, times) = render(device, job, plan, scene, cones)?;
         around.extend(times);
         Ok(images)
     })?;
     let scene = proxies::with_proxies(scene);
     let scene = scene.as_ref();
-    let mut run = Run { device, job, times: Vec::new() };
+    let mut run = Run { device, job, cones, times: Vec::new() };
     around.into_iter().for_each(|time| run.add(time));
     let shadow_maps = shadow_map::make(&mut run, scene)?;
     let mut tables = Tables::new(&fine, scene)?;
+    cones.put(&mut tables.relief);
     let textures = Textures::new(scene, &mut tables.texture_uses)?;
     let streams = SceneStreams::upload(device, scene, &tables, &textures, &reflections)?;
     run.record(|recorder| {
@@ -67,6 +70,7 @@ pub fn render(
         streams.relief.record_maps(recorder, &tables.relief)?;
         streams.record_light(recorder)
     })?;
+    cones.keep(&tables.relief, &streams.relief)?;
     let work = WorkStreams::new(device, &fine, side, scene, &tables)?;
     let frame = Frame {
         plan: &fine,
@@ -184,6 +188,7 @@ pub(crate) fn empty_images(plan: &ImagePlan, scene: &RenderScene) -> ImageSet {
 pub(crate) struct Run<'a> {
     device: &'a Arc<Device>,
     job: &'a JobContext<'a>,
+    cones: &'a KeptCones,
     times: Vec<PassTime>,
 }
 

@@ -1,13 +1,17 @@
 //! The executor on a Vulkan device.
 
-use std::sync::Arc;
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, OnceLock},
+};
 
 use displace_glsl::ALL_SHADERS;
 
-use super::{Executor, ExecutorOptions, JobContext, image, passes, tessellate};
+use super::{Executor, ExecutorOptions, JobContext, image, image::KeptCones, passes, tessellate};
 use crate::{
     domain::{
         Result,
+        cost::CostModel,
         detail::Detail,
         image::{ImagePlan, ImageSet, RenderScene},
         mesh::Mesh,
@@ -15,15 +19,19 @@ use crate::{
         report::PassTime,
         surface::{Shape, Surface},
     },
-    vulkan::{Device, DeviceOptions},
+    vulkan::{Device, DeviceOptions, cache_file},
 };
 
 /// One open device.
 pub struct VulkanExecutor {
     device: Arc<Device>,
+    cones: KeptCones,
     name: String,
     driver: String,
     class: String,
+    costs: OnceLock<CostModel>,
+    /// Where they are kept.
+    costs_file: Option<PathBuf>,
 }
 
 impl VulkanExecutor {
@@ -41,7 +49,21 @@ impl VulkanExecutor {
             let passes: Vec<_> = ALL_SHADERS.iter().copied().filter(|shader| runs(shader.name)).collect();
             device.warm_up(&passes)?;
         }
-        Ok(Self::with_device(device))
+        let mut executor = Self::with_device(device);
+        executor.keep_costs_in(&options.cache);
+        Ok(executor)
+    }
+
+    /// Constants of another build may be of other passes.
+    fn keep_costs_in(&mut self, folder: &Path) {
+        let depends_on = [self.class.as_bytes(), self.driver.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes()];
+        let file = cache_file::path(folder, "costs", &depends_on);
+        if let Ok(known) = serde_json::from_slice::<CostModel>(&cache_file::read(&file))
+            && known.is_sound()
+        {
+            self.costs = OnceLock::from(known);
+        }
+        self.costs_file = Some(file);
     }
 
     #[must_use]
@@ -50,7 +72,8 @@ impl VulkanExecutor {
         let name = info.name.clone();
         let driver = info.driver.clone();
         let class = info.class();
-        Self { device, name, driver, class }
+        let cones = KeptCones::default();
+        Self { device, cones, name, driver, class, costs: OnceLock::new(), costs_file: None }
     }
 
     /// The device, for tests and measurements.
@@ -71,6 +94,17 @@ impl Executor for VulkanExecutor {
 
     fn device_class(&self) -> &str {
         &self.class
+    }
+
+    fn costs(&self) -> Option<CostModel> {
+        self.costs.get().copied()
+    }
+
+    fn keep_costs(&self, measured: CostModel) {
+        let first = self.costs.set(measured).is_ok();
+        if let (true, Some(file), Ok(bytes)) = (first, &self.costs_file, serde_json::to_vec(&measured)) {
+            cache_file::write(file, &bytes);
+        }
     }
 
     fn displace(
@@ -95,6 +129,6 @@ impl Executor for VulkanExecutor {
     }
 
     fn render(&self, job: &JobContext<'_>, plan: &ImagePlan, scene: &RenderScene) -> Result<(ImageSet, Vec<PassTime>)> {
-        image::render(&self.device, job, plan, scene)
+        image::render(&self.device, job, plan, scene, &self.cones)
     }
 }

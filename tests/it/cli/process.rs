@@ -117,6 +117,13 @@ fn the_demo_shows_everything() {
     let count = |ending: &str| files.iter().filter(|file| file.ends_with(ending)).count();
     assert!(count(".glb") >= 3 && count(".png") >= 5, "{files:?}");
     let page = std::fs::read_to_string(displace.folder().join("shown/index.html")).unwrap();
+    assert!(files.iter().any(|file| file.ends_with("/shown/chart/index.html")), "{files:?}");
+    for link in ["chart/index.html", "chart/chart.svg"] {
+        assert!(
+            page.contains(&format!("\"{link}\"")) && displace.folder().join("shown").join(link).is_file(),
+            "{link}"
+        );
+    }
     for file in files.iter().filter(|file| !file.ends_with(".html")) {
         assert!(std::path::Path::new(file).is_file(), "{file}");
         let name = file.rsplit('/').next().unwrap();

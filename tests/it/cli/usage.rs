@@ -44,11 +44,9 @@ fn a_refusal_names_flag_value_range_and_fix() {
 }
 
 #[test]
-fn a_render_that_moves_vertices_is_told_how_finely() {
-    let missing = ["--tolerance SHARE or --uniform LEVEL is missing", "--tolerance 1e-3", "--uniform 5"];
-    refused("render MESH -o o.png --expr u", "--tolerance", &missing);
-    refused("render MESH -o o.png --method displacement", "--tolerance", &[]);
-    refused("render MESH -o o.png --quality high", "--quality", &["there is none"]);
+fn what_says_how_a_tolerance_is_kept_is_for_methods_that_keep_one() {
+    refused("render MESH -o o.png --method flat --quality high", "--quality", &["there is none"]);
+    refused("render MESH -o o.png --method bump --error-at texels", "--error-at", &["there is none"]);
 }
 
 #[test]

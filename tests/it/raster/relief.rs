@@ -10,12 +10,13 @@ use displace_server::domain::{
         RenderScene, SelfShadow, Silhouettes,
     },
 };
+use displace_server::render::image::KeptCones;
 use displace_tests::meshes::{self, TestMesh};
 use glam::{DVec2, DVec3};
 
 use super::{
     looks::assert_agrees,
-    render,
+    plan, render, render_after, render_plan,
     scenes::{Builder, IDENTITY, LEAK, material, render_mesh, view_camera},
 };
 
@@ -73,6 +74,23 @@ fn every_method_that_marches_shows_what_its_twin_does_also_mirrored_and_with_a_b
     for row in METHODS.iter().filter(|row| row.marcher.is_some()) {
         assert_agrees(&floor(row.method), 1e-2, row.name);
     }
+}
+
+#[test]
+fn cones_are_made_once_for_each_map_and_show_the_same_to_the_byte() {
+    let cones = KeptCones::default();
+    let scene = floor(Method::Cone);
+    let mut other = floor(Method::Cone);
+    other.materials[0] = in_relief(waves(32, 0.05));
+    let plan = plan(&scene, 96, 96);
+    let mut shown = |scene: &RenderScene| {
+        let (images, passes) = render_after(scene, &plan, &cones);
+        assert!(images == render_plan(scene, &plan), "as if it were the first");
+        passes.iter().any(|name| name == "cone_map")
+    };
+    assert_eq!([&scene, &scene, &other, &scene, &other].map(&mut shown), [true, false, true, false, false]);
+    let scene = floor(Method::Cone);
+    assert!(shown(&scene), "another map of the same heights");
 }
 
 #[test]

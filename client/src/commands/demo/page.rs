@@ -2,7 +2,10 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use super::{Step, scenes::SCENES};
+use super::{
+    Step,
+    scenes::{CHART, SCENES},
+};
 use crate::output::{bytes, count, duration_ms};
 
 const STYLE: &str = "\
@@ -19,9 +22,9 @@ details{margin:10px 0}summary{cursor:pointer;color:var(--soft)}.wide{overflow-x:
 th,td{padding:4px 10px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}th:first-child,td:first-child{text-align:left}
 footer{margin-top:64px;padding-top:16px;border-top:1px solid var(--line);color:var(--soft);font-size:.86rem}";
 
-pub(super) fn html(scenes: &[Vec<Step>], total_ms: f64) -> String {
+pub(super) fn html(scenes: &[Vec<Step>], chart: &Step, total_ms: f64) -> String {
     let device = scenes.iter().flatten().next().map_or("", |step| &step.outcome.report.device);
-    let commands = scenes.iter().flatten().count();
+    let commands = scenes.iter().flatten().count() + 1;
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <title>Displace: demo</title>\n<style>\n{STYLE}\n</style>\n<main>\n<h1>Displace</h1>\n\
@@ -37,7 +40,20 @@ pub(super) fn html(scenes: &[Vec<Step>], total_ms: f64) -> String {
         page += &reports(steps);
         page += "</section>\n";
     }
-    page + FOOTER
+    page + &charted(chart) + FOOTER
+}
+
+/// The chart's own page tells the rest.
+fn charted(step: &Step) -> String {
+    let settings = step.outcome.report.chart.as_ref().map_or(0, |chart| chart.points.len());
+    format!(
+        "<section>\n<h2>{}</h2>\n<p>{}</p>\n<figure><a href=\"chart/index.html\"><img src=\"chart/chart.svg\" alt=\"error against time\" \
+         loading=\"lazy\"></a><figcaption>{settings} settings; <a href=\"chart/index.html\">the page</a> shows each one's image and \
+         difference</figcaption></figure>\n<pre>{}</pre>\n</section>\n",
+        escaped(CHART.title),
+        escaped(CHART.text),
+        escaped(&step.typed)
+    )
 }
 
 const FOOTER: &str = "\

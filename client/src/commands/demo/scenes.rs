@@ -9,8 +9,18 @@ pub(super) struct Scene {
     pub(super) commands: &'static [&'static str],
 }
 
-/// Words of a command that end so are files of the demo's folder.
-pub(super) const FILE_ENDINGS: [&str; 6] = [".glb", ".gltf", ".png", ".jpg", ".exr", ".hdr"];
+/// Words of a command that end so are files of the demo's folder, and its own folders.
+pub(super) const FILE_ENDINGS: [&str; 7] = [".glb", ".gltf", ".png", ".jpg", ".exr", ".hdr", "/"];
+
+/// What it ends with.
+pub(super) const CHART: Scene = Scene {
+    title: "Speed against accuracy",
+    text: "Every method and setting on the same rock, each against the surface itself: what it takes, and how far off it is. \
+           Small, and run once: `displace chart` measures your own mesh, maps and camera.",
+    commands: &[
+        "displace chart input/ground.glb --height input/rock_height.png --scale 0.2 --orbit 35,35,1.9 --light 1,0.9,-0.4 --size 128x128 --repeats 1 --truth-samples 16 -o chart/",
+    ],
+};
 
 pub(super) const SCENES: [Scene; 4] = [
     Scene {

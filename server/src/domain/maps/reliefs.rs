@@ -51,6 +51,15 @@ pub fn resolve_reliefs(
     Ok(reliefs)
 }
 
+/// The heights of those details that are one height map and nothing else.
+pub fn marchable(details: &[Option<Arc<Detail>>]) -> Result<Vec<Option<Arc<Relief>>>> {
+    let is_one =
+        |detail: &&Arc<Detail>| matches!(detail.layers.as_slice(), [Layer { source: LayerSource::Height(_), .. }]);
+    let of_material = details.iter().map(|detail| detail.as_ref().filter(is_one).cloned()).collect();
+    let kept = of_details(&Details { of_material, of_none: None })?;
+    Ok(if kept.texels() > MOST_TEXELS { vec![None; details.len()] } else { kept.of_material })
+}
+
 /// One map of heights, and what tells normals.
 fn check_layers(index: usize, request: &MaterialDetail, method: Method) -> Result<()> {
     let name = method.name();

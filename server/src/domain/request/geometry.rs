@@ -67,7 +67,7 @@ pub enum Allowed {
     Diagonal(f64),
     /// World units, above 0.
     World(f64),
-    /// Pixels in every view, 0.01 to 1000; 1 to 64 views.
+    /// Pixels in every view, 0.01 to 1000; up to 64 views, and without any in the camera of the image.
     Pixels { tolerance_px: f64, views: Vec<ToleranceView> },
 }
 

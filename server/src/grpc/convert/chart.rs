@@ -11,7 +11,7 @@ use crate::{
     config::Config,
     domain::{
         Error, Result,
-        chart::{Candidate, Chart, ChartRequest, LeftOut, Metric, Point},
+        chart::{Candidate, Chart, ChartRequest, LeftOut, Metric, Point, Sweep, SweepPoint},
         request::{Method, RenderRequest},
     },
 };
@@ -20,6 +20,7 @@ const DEFAULT_REPEATS: u32 = 3;
 const MOST_REPEATS: u32 = 100;
 
 pub(crate) fn chart(request: v1::ChartRequest, config: &Config) -> Result<ChartRequest> {
+    let stability = request.stability;
     let render = request.render.ok_or_else(|| Error::invalid("render", "is required"))?;
     refuse_what_is_charted("render", &render)?;
     let repeats = within("repeats", request.repeats, DEFAULT_REPEATS, MOST_REPEATS)?;
@@ -33,7 +34,27 @@ pub(crate) fn chart(request: v1::ChartRequest, config: &Config) -> Result<ChartR
             Err(error) => left_out.push(LeftOut { candidate, reason: error.to_string() }),
         }
     }
-    Ok(ChartRequest { truth, repeats, candidates, left_out })
+    let sweeps = sweeps(&request.sweeps)?;
+    Ok(ChartRequest { truth, repeats, candidates, left_out, sweeps, stability })
+}
+
+/// In the order of all sweeps, each once.
+fn sweeps(asked: &[i32]) -> Result<Vec<Sweep>> {
+    for (k, sweep) in asked.iter().enumerate() {
+        if !Sweep::ALL.iter().any(|known| *sweep == i32::from(to_sweep(*known))) || asked[..k].contains(sweep) {
+            let message = format!("{sweep} is unknown or there twice; give each of ANGLE, DISTANCE and AMPLITUDE once");
+            return Err(Error::invalid(format!("sweeps[{k}]"), message));
+        }
+    }
+    Ok(Sweep::ALL.into_iter().filter(|sweep| asked.contains(&to_sweep(*sweep).into())).collect())
+}
+
+fn to_sweep(sweep: Sweep) -> v1::ChartSweep {
+    match sweep {
+        Sweep::Angle => v1::ChartSweep::Angle,
+        Sweep::Distance => v1::ChartSweep::Distance,
+        Sweep::Amplitude => v1::ChartSweep::Amplitude,
+    }
 }
 
 fn within(field: &str, asked: Option<u32>, default: u32, most: u32) -> Result<u32> {
@@ -101,6 +122,20 @@ pub(super) fn to_chart(chart: &Chart) -> v1::ChartReport {
         truth_samples: chart.truth_samples,
         truth_ms: chart.truth_ms,
         driver: chart.driver.clone(),
+        stability: None,
+        sweeps: chart.sweeps.iter().map(to_sweep_point).collect(),
+    }
+}
+
+fn to_sweep_point(point: &SweepPoint) -> v1::ChartSweepPoint {
+    v1::ChartSweepPoint {
+        sweep: to_sweep(point.sweep).into(),
+        value: point.value,
+        method: point.method.clone(),
+        setting: point.setting.clone(),
+        triangles: point.triangles,
+        ms: point.ms,
+        error: Some(to_comparison(&point.error)),
     }
 }
 
@@ -121,6 +156,8 @@ fn to_point(point: &Point) -> v1::ChartPoint {
         runs: point.runs,
         error: Some(to_comparison(&point.error)),
         fronts: point.fronts.iter().map(|metric| to_metric(*metric).into()).collect(),
+        predicted_px: point.predicted_px,
+        chosen: point.chosen,
     }
 }
 

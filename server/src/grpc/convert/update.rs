@@ -2,7 +2,10 @@
 
 use displace_proto::v1::{self, job_update::Update};
 
-use super::{chart::to_chart, measurement::to_measurement, sequence::to_sequence, to_digest};
+use super::{
+    chart::to_chart, choice::to_choice, measurement::to_measurement, sequence::to_sequence, stability::to_stability,
+    to_digest,
+};
 use crate::{
     domain::{
         image::MarchCounters,
@@ -72,7 +75,8 @@ fn to_report(report: &Report) -> v1::Report {
         lods: report.lods.iter().map(to_lod).collect(),
         normal_maps: report.normal_maps.iter().map(to_normal_map).collect(),
         counters: report.counters.map(to_counters),
-        chart: report.chart.as_ref().map(to_chart),
+        chart: report.chart.as_ref().map(to_chart).or_else(|| report.stability.as_ref().map(to_stability)),
+        choices: report.choices.iter().map(to_choice).collect(),
         sequence: report.sequence.as_ref().map(to_sequence),
     }
 }

@@ -1,5 +1,8 @@
-//! The page: both charts, what is seen of the point under the pointer or the focus, and a table of all. It lies beside
+//! The page: the charts, what is seen of the point under the pointer or the focus, and a table of all. It lies beside
 //! its images and asks nothing of a network.
+
+mod sweeps;
+mod winners;
 
 use std::fmt::Write as _;
 
@@ -11,19 +14,20 @@ use crate::domain::{
     report::Warning,
 };
 
-const STYLE: &str = include_str!("page/style.css");
+pub(in crate::jobs) const STYLE: &str = include_str!("page/style.css");
 const SCRIPT: &str = include_str!("page/script.js");
-const CHARTED: [Metric; 2] = [Metric::Flip, Metric::HitPx];
 
 pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
     let mut page = head(chart);
     page += "<div class=\"board\">\n<div>\n";
-    for metric in CHARTED {
+    for metric in svg::known(chart) {
         let _ = writeln!(page, "<div class=\"chart\">{}</div>", svg::element(chart, metric));
     }
     page += "</div>\n";
     page += &seen(chart);
     page += "</div>\n";
+    page += &winners::html(chart);
+    page += &sweeps::html(chart);
     page += &table(chart);
     page += &told(warnings);
     let facts = json!(chart.points.iter().map(facts).collect::<Vec<_>>());
@@ -38,7 +42,7 @@ pub(super) fn html(chart: &Chart, warnings: &[Warning]) -> String {
 const FOOTER: &str = "\
 <footer>FLIP: Andersson et al. 2020, at 67 pixels per degree. Time is that of surface and image; what maps need once, \
 such as cones, is told apart. Hit error: how far apart the places are that both images show at a \
-pixel, as many pixels as that looks long face-on. Files: <a href=\"chart.csv\">chart.csv</a>, <a href=\"chart.json\">chart.json</a>, \
+pixel, as many pixels as that looks long face-on, the 99th percentile. Files: <a href=\"chart.csv\">chart.csv</a>, <a href=\"chart.json\">chart.json</a>, \
 <a href=\"chart.svg\">chart.svg</a>.</footer>\n</main>\n";
 
 fn head(chart: &Chart) -> String {
@@ -49,16 +53,17 @@ fn head(chart: &Chart) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <title>Speed against accuracy: {title}</title>\n<style>\n{STYLE}</style>\n<main>\n<h1>Speed against accuracy: {title}</h1>\n\
          <p>{} settings on {device}{driver}, {width} x {height} pixels, each against the surface itself by {truth_samples} rays a pixel. \
-         Lower is nearer, left is faster; no setting lies below and left of the dashed line. Point at one, or reach it by Tab, to see \
+         Lower is nearer, left is faster; no setting lies below and left of the dashed line. {}Point at one, or reach it by Tab, to see \
          what it shows.</p>\n",
-        points.len()
+        points.len(),
+        if chart.chosen().is_some() { "The star is the automatic choice. " } else { "" },
     )
 }
 
-/// As it is before anything is pointed at: the nearest by FLIP.
+/// As it is before anything is pointed at: the automatic choice, else the nearest by FLIP.
 fn seen(chart: &Chart) -> String {
-    let nearest = chart.points.iter().min_by(|a, b| a.error.flip_mean.total_cmp(&b.error.flip_mean));
-    let Some(point) = nearest else { return String::new() };
+    let nearest = || chart.points.iter().min_by(|a, b| a.error.flip_mean.total_cmp(&b.error.flip_mean));
+    let Some(point) = chart.chosen().or_else(nearest) else { return String::new() };
     let (name, label) = (escaped(&point.name), escaped(&point.label()));
     let mut list = String::new();
     for [term, told] in figures(point) {
@@ -91,7 +96,9 @@ fn figures(point: &Point) -> Vec<[String; 2]> {
     let mut figures: Vec<[String; 2]> = known.map(|pair| pair.map(str::to_owned)).into();
     let mut more = |name: &str, told: Option<String>| figures.extend(told.map(|told| [name.to_owned(), told]));
     more("hit error", error.hit_error_px.map(|px| format!("{} px", rounded(px))));
+    more("hit error predicted, at most", point.predicted_px.map(|px| format!("{} px", rounded(px))));
     more("outline error", error.silhouette_xor_px.map(|px| format!("{px} px")));
+    more("chosen", point.chosen.then(|| "automatically".to_owned()));
     more("fetches a ray", point.counters.map(|c| format!("{:.1}", c.fetches as f64 / c.rays.max(1) as f64)));
     figures
 }
@@ -104,7 +111,8 @@ fn table(chart: &Chart) -> String {
     html += "</tr></thead>\n<tbody>\n";
     for (k, point) in chart.points.iter().enumerate() {
         let [name, label] = [&point.name, &point.label()].map(|text| escaped(text));
-        let _ = write!(html, "<tr data-point=\"{k}\"><td><a href=\"{name}.png\">{label}</a></td>");
+        let star = if point.chosen { "<span class=\"star\" title=\"the automatic choice\">★</span> " } else { "" };
+        let _ = write!(html, "<tr data-point=\"{k}\"><td>{star}<a href=\"{name}.png\">{label}</a></td>");
         for cell in cells(point) {
             let _ = write!(html, "<td>{cell}</td>");
         }
@@ -113,7 +121,7 @@ fn table(chart: &Chart) -> String {
     html + "</tbody>\n</table></div>\n"
 }
 
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 15] = [
     "setting",
     "triangles",
     "fetches a ray",
@@ -126,6 +134,7 @@ const COLUMNS: [&str; 14] = [
     "FLIP",
     "FLIP p99",
     "hit px",
+    "predicted px",
     "outline px",
     "front",
 ];
@@ -147,6 +156,7 @@ fn cells(point: &Point) -> [String; COLUMNS.len() - 1] {
         rounded(error.flip_mean),
         rounded(error.flip_p99),
         or_dash(error.hit_error_px.map(rounded)),
+        or_dash(point.predicted_px.map(rounded)),
         or_dash(error.silhouette_xor_px.map(|px| px.to_string())),
         fronts.join(", "),
     ]
@@ -179,7 +189,7 @@ fn grouped(number: u64) -> String {
 }
 
 /// For text and attributes of HTML and XML; what XML cannot hold becomes a question mark.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::jobs) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

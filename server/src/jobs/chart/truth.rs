@@ -2,6 +2,9 @@
 
 use std::time::Instant;
 
+use glam::DVec3;
+use rayon::prelude::*;
+
 use crate::{
     domain::{
         Error, Result,
@@ -16,28 +19,47 @@ use crate::{
         inputs::{self, Inputs},
         render::planned,
     },
-    oracle::{self, image::Exposure, metrics::picture::Picture},
+    oracle::{
+        self,
+        image::{Exposure, OracleScene},
+        metrics::picture::Picture,
+        reprojection::reprojected,
+        surface::{SeamChoice, Surface},
+    },
 };
 
 /// How far it may be from the surface, pixels: a quarter of what the finest setting is allowed, since what it takes grows with
 /// its inverse.
 const RESIDUAL_PX: f64 = 1.0 / 16.0;
 
-pub(super) struct Truth {
+pub(super) struct Truth<'s> {
     pub(super) picture: Picture,
     pub(super) png: Vec<u8>,
     pub(super) camera: RenderCamera,
+    /// With what it is made of.
     pub(super) ms: f64,
     /// Rays a pixel.
     pub(super) samples: u32,
+    pub(super) ground: &'s Ground,
+    seen: oracle::image::Camera<'s>,
+    surfaces: Vec<Surface<'s>>,
+    pub(super) passes: Vec<PassTime>,
+}
+
+/// What it is made of: triangles for the surface, from where it is seen.
+pub(super) struct Ground {
+    pub(super) scene: OracleScene,
+    pub(super) inputs: Inputs,
+    choice: SeamChoice,
     /// Of the meshes.
     pub(super) title: String,
     pub(super) triangles_in: u64,
     pub(super) warnings: Vec<Warning>,
     pub(super) passes: Vec<PassTime>,
+    ms: f64,
 }
 
-pub(super) fn take(context: &WorkContext<'_>, request: &RenderRequest) -> Result<Truth> {
+pub(super) fn ground(context: &WorkContext<'_>, request: &RenderRequest) -> Result<Ground> {
     let start = Instant::now();
     let mut inputs = Inputs::load(context.assets, context.limits, &context.job(), &request.surface)?;
     planned(&inputs, context.limits, request)?;
@@ -45,23 +67,64 @@ pub(super) fn take(context: &WorkContext<'_>, request: &RenderRequest) -> Result
     let scene = inputs::timed(context.progress, "dice", &mut passes, || {
         exact::scene(context, &mut inputs, request, RESIDUAL_PX)
     })?;
+    let (title, triangles_in) = (title(&inputs), inputs.estimate().triangles_in);
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    let (warnings, choice) = (inputs.scene.warnings.clone(), SeamChoice::from(&request.surface.geometry));
+    Ok(Ground { scene, inputs, choice, title, triangles_in, warnings, passes, ms })
+}
+
+pub(super) fn take<'s>(context: &WorkContext<'_>, request: &RenderRequest, ground: &'s Ground) -> Result<Truth<'s>> {
+    let start = Instant::now();
     let rays = request.rays().ok_or_else(|| Error::internal("a truth without rays"))?;
     let shadows = rays.shadows != Shadows::None;
     let exposure = Exposure { width: request.width, height: request.height, samples: rays.samples, shadows };
     let progress = Named { progress: context.progress, name: "truth" };
-    let trace = || oracle::image::render(&scene, &exposure, context.cancel, &progress);
-    let images = inputs::timed(context.progress, "truth", &mut passes, trace)?;
+    let mut passes = Vec::new();
+    let (seen, images) = inputs::timed(context.progress, "truth", &mut passes, || {
+        let seen = oracle::image::Camera::new(&ground.scene, &exposure)?;
+        let images = seen.image(context.cancel, &progress)?;
+        Ok((seen, images))
+    })?;
+    let Inputs { scene, details, .. } = &ground.inputs;
+    let pairs = scene.meshes.iter().zip(details);
     Ok(Truth {
+        ground,
+        surfaces: pairs.map(|(m, details)| Surface::new(&m.mesh, details, ground.choice)).collect(),
         picture: Picture::of_images("render", &images)?,
         png: png(&images)?,
-        camera: scene.camera,
-        ms: start.elapsed().as_secs_f64() * 1e3,
+        camera: ground.scene.camera,
+        ms: ground.ms + start.elapsed().as_secs_f64() * 1e3,
         samples: rays.samples,
-        title: title(&inputs),
-        triangles_in: inputs.estimate().triangles_in,
-        warnings: inputs.scene.warnings,
+        seen,
         passes,
     })
+}
+
+impl Truth<'_> {
+    /// What 99 of 100 covered pixels of an image with texture coordinates are off by (`oracle::reprojection`).
+    pub(super) fn reprojected_px(&self, images: &ImageSet) -> Option<f64> {
+        let pixels = reprojected(&self.ground.inputs.scene, &self.surfaces, images, usize::MAX);
+        let mut errors: Vec<f64> = pixels.iter().map(|pixel| pixel.error_px).collect();
+        errors.sort_by(f64::total_cmp);
+        errors.get(errors.len().saturating_sub(1) * 99 / 100).copied().filter(|error_px| error_px.is_finite())
+    }
+
+    /// What it shows on the rays on which another image took its places, which need not be those of the centres of pixels.
+    pub(super) fn towards(&self, other: &Picture) -> Picture {
+        let (Some(covered), Some(positions)) = (&other.covered, &other.positions) else { return Picture::default() };
+        let place = |(covered, position): (&bool, &[f32; 3])| {
+            covered.then(|| self.seen.towards(DVec3::from_array(position.map(f64::from)))).flatten()
+        };
+        let places: Vec<Option<DVec3>> = covered.par_iter().zip(positions).map(place).collect();
+        Picture {
+            width: other.width,
+            height: other.height,
+            covered: Some(places.iter().map(Option::is_some).collect()),
+            positions: Some(places.iter().map(|p| p.unwrap_or_default().as_vec3().to_array()).collect()),
+            clip_from_world: self.picture.clip_from_world,
+            ..Picture::default()
+        }
+    }
 }
 
 /// The colours alone.

@@ -12,9 +12,7 @@ use crate::{
         sequence::{SequenceRequest, SequenceTessellation},
         surface::{Common, Surface},
     },
-    jobs::{
-        WorkContext, bumps, chart::lens, fits, inputs, inputs::Inputs, plans::Plans, render::planned, seams, strain,
-    },
+    jobs::{WorkContext, bumps, fits, inputs, inputs::Inputs, lens, plans::Plans, render::planned, seams, strain},
 };
 
 /// One tessellation of all meshes.

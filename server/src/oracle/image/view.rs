@@ -57,6 +57,12 @@ impl View {
         Segment { origin, direction, from, to: if to > from { to } else { f64::INFINITY } }
     }
 
+    /// Where a place before the camera is seen, pixels from the top left corner.
+    pub(super) fn px(&self, place: DVec3) -> [f64; 2] {
+        let clip = self.clip_from_world * place.extend(1.0);
+        [0.5 * (clip.x / clip.w + 1.0) * self.size_px[0], 0.5 * (1.0 - clip.y / clip.w) * self.size_px[1]]
+    }
+
     /// Where all rays begin, if they do in one place.
     pub(super) fn eye(&self) -> Option<DVec3> {
         self.eye

@@ -90,6 +90,13 @@ impl<'s> World<'s> {
         self.tracer.first_hit_where(ray, shows).map(|hit| self.surface(ray, &hit))
     }
 
+    /// Where that is, alone.
+    pub(super) fn place(&self, ray: &Segment) -> Option<DVec3> {
+        let shows = |hit: &Hit| self.faces(hit) && self.is_opaque(self.part(hit.triangle), hit);
+        let place = |hit: Hit| blend(hit.barycentrics, self.tracer.corners(hit.triangle));
+        self.tracer.first_hit_where(ray, shows).map(place)
+    }
+
     /// All that is seen, one through the other, the nearest first: blended surfaces, and what is behind them.
     pub(super) fn layers(&self, ray: &Segment) -> Vec<Seen> {
         if !self.has_layers {

@@ -1,5 +1,7 @@
 //! Heights that are shown per pixel: the maps on the device, and the passes that find what a ray strikes.
 
+mod cones;
+
 use std::sync::Arc;
 
 use displace_glsl::{
@@ -22,6 +24,9 @@ use crate::{
 };
 
 use super::{Frame, Slab};
+use cones::Coned;
+
+pub use cones::KeptCones;
 
 /// Of one stream.
 const MOST_WORDS: usize = 1 << 29;
@@ -34,6 +39,7 @@ pub(crate) struct ReliefTables {
     /// Heights, and what the method needs beside them.
     texels: Vec<f32>,
     cones: Vec<ConeMapParams>,
+    coned: Vec<Coned>,
 }
 
 impl ReliefTables {
@@ -57,16 +63,19 @@ impl ReliefTables {
     }
 
     /// All levels of a map, the finest first.
-    fn add(&mut self, map: &HeightMap, needs: Needs) -> Result<Relief> {
+    fn add(&mut self, map: &Arc<HeightMap>, needs: Needs) -> Result<Relief> {
         let size = [map.width, map.height];
         if map.heights.len() as u64 != u64::from(size[0]) * u64::from(size[1]) || map.heights.is_empty() {
             return Err(Error::internal("a height map has not as many heights as texels"));
         }
         let [low, high] = map.range();
-        let level_first = self.levels.len() as u32;
+        let (level_first, cone_first) = (self.levels.len() as u32, self.cones.len());
         let finest = HeightLevel { size, heights: map.heights.clone(), repeats: map.repeats };
         for level in finest.chain() {
             self.add_level(&level, needs);
+        }
+        if needs == Needs::Cones {
+            self.coned.push(Coned::new(map, cone_first..self.cones.len()));
         }
         if self.texels.len() > MOST_WORDS {
             let message = format!("the height maps have more than {MOST_WORDS} values: scale them down");
@@ -132,9 +141,9 @@ impl ReliefStreams {
         })
     }
 
-    /// Makes what methods need of maps.
+    /// Makes what methods need of maps and is not known.
     pub(crate) fn record_maps(&self, recorder: &mut Recorder<'_>, tables: &ReliefTables) -> Result<()> {
-        for params in &tables.cones {
+        for params in tables.cones.iter().filter(|params| params.count > 0) {
             recorder.dispatch(&SHADERS.cone_map, u64::from(params.count), params, &[("texels", &self.texels)])?;
         }
         Ok(())

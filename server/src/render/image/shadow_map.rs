@@ -40,12 +40,14 @@ pub(crate) fn make(run: &mut Run<'_>, scene: &RenderScene) -> Result<Option<Shad
     let mut scene = stopping(scene);
     scene.camera = plan.sides[0].camera;
     let mut tables = Tables::new(&image_plan(&scene, &plan.sides[0].face)?, &scene)?;
+    run.cones.put(&mut tables.relief);
     let textures = Textures::new(&scene, &mut tables.texture_uses)?;
     let mut streams = SceneStreams::upload(run.device, &scene, &tables, &textures, &[])?;
     run.record(|recorder| {
         textures.record_mips(recorder, &streams.texels)?;
         streams.relief.record_maps(recorder, &tables.relief)
     })?;
+    run.cones.keep(&tables.relief, &streams.relief)?;
     let widest = plan.sides.iter().map(|side| side.face).max_by_key(|face| face.size);
     let widest = image_plan(&scene, &widest.unwrap_or_default())?;
     let work = WorkStreams::new(run.device, &widest, 1, &scene, &tables)?;

@@ -99,3 +99,16 @@ fn what_a_chart_decides_itself_is_refused_by_name() {
         assert_eq!(error.field.as_deref(), Some(field), "{error}");
     }
 }
+
+#[test]
+fn sweeps_are_asked_for_once_each() {
+    use v1::ChartSweep::{Amplitude, Angle, Unspecified};
+    let asked = |sweeps: &[v1::ChartSweep]| {
+        let sweeps = sweeps.iter().map(|sweep| i32::from(*sweep)).collect();
+        parsed(v1::ChartRequest { sweeps, ..request(vec![height()]) })
+    };
+    assert_eq!(asked(&[Amplitude, Angle]).unwrap().sweeps, [Sweep::Angle, Sweep::Amplitude]);
+    for (bad, field) in [(&[Angle, Angle][..], "sweeps[1]"), (&[Unspecified], "sweeps[0]")] {
+        assert_eq!(asked(bad).unwrap_err().field.as_deref(), Some(field));
+    }
+}

@@ -2,7 +2,7 @@
 
 /// One axis from `low` to `high`, both above 0, drawn from `start` to `end`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(in crate::jobs) struct Axis {
     low: f64,
     high: f64,
     start: f64,
@@ -28,14 +28,14 @@ const LEAST_TICKS: usize = 4;
 
 impl Axis {
     /// Of values that are 0 or above.
-    pub(super) fn new(values: impl Iterator<Item = f64> + Clone, start: f64, end: f64) -> Self {
+    pub(in crate::jobs) fn new(values: impl Iterator<Item = f64> + Clone, start: f64, end: f64) -> Self {
         let above = values.clone().filter(|value| *value > 0.0 && value.is_finite());
         let (low, high) = above.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), v| (low.min(v), high.max(v)));
         let (low, high) = if low <= high { (low / MARGIN, high * MARGIN) } else { (0.1, 1.0) };
         Self { low, high, start, end, zero: values.clone().any(|value| value <= 0.0) }
     }
 
-    pub(super) fn at(&self, value: f64) -> f64 {
+    pub(in crate::jobs) fn at(&self, value: f64) -> f64 {
         if value <= 0.0 {
             return self.start;
         }
@@ -44,12 +44,12 @@ impl Axis {
         self.start + (self.end - self.start) * (first + (1.0 - first) * share.clamp(0.0, 1.0))
     }
 
-    pub(super) fn has_zero(&self) -> bool {
+    pub(in crate::jobs) fn has_zero(&self) -> bool {
         self.zero
     }
 
     /// Round values, as many as tell enough.
-    pub(super) fn ticks(&self) -> Vec<f64> {
+    pub(in crate::jobs) fn ticks(&self) -> Vec<f64> {
         let of = |steps: &&[f64]| self.multiples(steps);
         let enough = STEPS.iter().map(of).find(|ticks| ticks.len() >= LEAST_TICKS);
         enough.unwrap_or_else(|| self.multiples(STEPS[STEPS.len() - 1]))
@@ -63,7 +63,7 @@ impl Axis {
 }
 
 /// `0.002`, `35`, `1 200`: up to two digits that count.
-pub(super) fn written(value: f64) -> String {
+pub(in crate::jobs) fn written(value: f64) -> String {
     if value >= 1.0 {
         return format!("{}", (value * 10.0).round() / 10.0);
     }

@@ -1,6 +1,6 @@
 //! Where labels stand: beside their points, over nothing else.
 
-use super::marks::RADIUS;
+use super::marks::{HALO, RADIUS};
 
 /// Sides of a rectangle: left, top, right, bottom.
 pub(super) type Rect = [f64; 4];
@@ -65,6 +65,11 @@ pub(super) fn overlap(a: &Rect, b: &Rect) -> bool {
 pub(super) fn mark_at([x, y]: [f64; 2]) -> Rect {
     let r = RADIUS + 2.0;
     [x - r, y - r, x + r, y + r]
+}
+
+/// What the star around the automatic choice covers.
+pub(super) fn halo_at([x, y]: [f64; 2]) -> Rect {
+    [x - HALO, y - HALO, x + HALO, y + HALO]
 }
 
 /// What a line that goes along an axis covers.

@@ -4,12 +4,14 @@ use displace_glsl::methods::Method;
 
 /// Radius, pixels.
 pub(super) const RADIUS: f64 = 5.5;
+/// Of the star around the automatic choice.
+pub(super) const HALO: f64 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mark {
-    pub(super) color: &'static str,
+pub(in crate::jobs) struct Mark {
+    pub(in crate::jobs) color: &'static str,
     shape: Shape,
-    pub(super) filled: bool,
+    pub(in crate::jobs) filled: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +28,7 @@ enum Shape {
 }
 
 /// Colours that stand out from white and from near black.
-pub(super) fn mark(method: &str) -> Mark {
+pub(in crate::jobs) fn mark(method: &str) -> Mark {
     use Shape::{Circle, Cross, Diamond, Down, Left, Plus, Square, Star, Up};
     let of = |method: Method| {
         let (color, shape, filled) = match method {
@@ -43,6 +45,8 @@ pub(super) fn mark(method: &str) -> Mark {
             Method::Exact => ("#d2402f", Star, true),
             Method::Displacement => ("#7a5fd3", Plus, true),
             Method::Vector => ("#7a5fd3", Cross, true),
+            // Never a point of its own: a chart marks the one that it chooses.
+            Method::Auto => ("#7f8791", Plus, false),
         };
         Mark { color, shape, filled }
     };
@@ -52,7 +56,7 @@ pub(super) fn mark(method: &str) -> Mark {
 
 impl Mark {
     /// The outline around (x, y), as an SVG path.
-    pub(super) fn path(&self, x: f64, y: f64) -> String {
+    pub(in crate::jobs) fn path(&self, x: f64, y: f64) -> String {
         let r = RADIUS;
         let polygon = |corners: &[[f64; 2]]| {
             let corners = corners.iter().map(|[dx, dy]| format!("{:.1} {:.1}", x + dx, y + dy));
@@ -74,6 +78,13 @@ impl Mark {
 
 fn square(r: f64) -> [[f64; 2]; 4] {
     [[-r, -r], [r, -r], [r, r], [-r, r]]
+}
+
+/// What the automatic choice has around it, as an SVG path.
+pub(super) fn halo([x, y]: [f64; 2]) -> String {
+    let corners = star(HALO, 0.62 * HALO);
+    let corners = corners.iter().map(|[dx, dy]| format!("{:.1} {:.1}", x + dx, y + dy));
+    format!("M{}Z", corners.collect::<Vec<_>>().join("L"))
 }
 
 /// Five points.

@@ -28,14 +28,14 @@ fn chart() -> Chart {
 
 #[test]
 fn names_from_outside_cannot_become_markup() {
-    let svg = document(&chart(), Metric::Flip);
+    let svg = element(&chart(), Metric::Flip);
     assert!(svg.contains("a &lt;b&gt; &amp; &quot;c&quot;") && svg.contains("&lt;device&gt;"), "{svg}");
     assert!(!svg.contains("<b>") && !svg.contains("<device>"));
 }
 
 #[test]
 fn every_point_is_a_link_to_its_image_and_those_on_the_front_have_labels() {
-    let svg = document(&chart(), Metric::Flip);
+    let svg = element(&chart(), Metric::Flip);
     for (k, name) in ["flat-", "relief-16", "relief-32", "exact-"].iter().enumerate() {
         assert!(
             svg.contains(&format!("<a href=\"{name}.png\"")) && svg.contains(&format!("data-point=\"{k}\"")),
@@ -47,8 +47,31 @@ fn every_point_is_a_link_to_its_image_and_those_on_the_front_have_labels() {
 
 #[test]
 fn what_has_no_error_of_a_kind_is_not_in_its_chart() {
-    let svg = document(&chart(), Metric::SilhouettePx);
+    let svg = element(&chart(), Metric::SilhouettePx);
     assert!(!svg.contains("data-point"), "{svg}");
+}
+
+#[test]
+fn the_file_has_a_drawing_for_each_error_that_is_known() {
+    let svg = document(&chart());
+    for known in ["FLIP against time", "hit error against time"] {
+        assert!(svg.contains(&format!("aria-label=\"{known}")), "{known}");
+    }
+    assert!(!svg.contains("outline error against time"));
+    assert_eq!(svg.matches("data-point=\"3\"").count(), 2);
+}
+
+#[test]
+fn the_automatic_choice_has_a_star_and_its_distance_from_the_front() {
+    let mut chart = chart();
+    assert!(!element(&chart, Metric::Flip).contains("the automatic choice"));
+    chart.points[2].chosen = true;
+    let svg = element(&chart, Metric::Flip);
+    assert_eq!(svg.matches("<path class=\"chosen\"").count(), 2, "at the point, and in the legend");
+    assert!(svg.contains("1.75 x the front") && svg.contains(">relief 32</text>"), "7 ms, where 4 ms are as near");
+    assert_eq!(chart.times_front(Metric::SilhouettePx), None);
+    (chart.points[2].chosen, chart.points[3].chosen) = (false, true);
+    assert!(element(&chart, Metric::Flip).contains("on the front"));
 }
 
 #[test]

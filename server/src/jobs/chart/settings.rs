@@ -1,9 +1,11 @@
 //! One setting after the other: made several times, measured, and compared with the truth.
 
-use super::{lens, truth, truth::Truth};
+mod took;
+
+use super::{truth, truth::Truth};
 use crate::{
     domain::{
-        Error, ErrorKind, Result,
+        Error, Result,
         cancel::NoProgress,
         chart::{Candidate, ChartRequest, Point, Setting},
         encode,
@@ -15,14 +17,15 @@ use crate::{
     jobs::{
         WorkContext, bumps, images,
         inputs::{self, Inputs},
-        looks,
+        lens, looks,
         plans::{self, Plans},
         reliefs,
         render::{planned, refuse_projected_shadows},
     },
-    oracle::metrics::{self, picture::Picture},
+    oracle::metrics::{self, hit::hit_error, picture::Picture},
     render::JobContext,
 };
+use took::{Took, all_of, median, refuse_slow, setup_of, spread, sum_of};
 
 /// What has taken as long is not run again, milliseconds.
 const ENOUGH_MS: f64 = 500.0;
@@ -34,21 +37,45 @@ const COMPILE: &str = "compile";
 /// Passes that maps and light need once, however many images follow.
 const SETUP: [&str; 4] = ["mip", "cone_map", "brdf_table", "brdf_averages"];
 
-pub(super) struct Sweep<'a> {
+pub(super) struct Settings<'a> {
     context: &'a WorkContext<'a>,
     request: &'a ChartRequest,
-    truth: &'a Truth,
-    /// What was read for one kind of methods; they come kind by kind.
-    read: Option<(Method, Inputs)>,
-    /// The last setting, what it took, and what its sweep has taken so far.
-    last: Option<(Candidate, [f64; 2])>,
+    truth: &'a Truth<'a>,
+    read: Read,
+    /// The last setting, what it took, what its sweep has taken so far, and what that was set up by.
+    last: Option<(Candidate, [f64; 3])>,
     pub(super) passes: Vec<PassTime>,
+}
+
+/// What was read for kinds of methods.
+pub(super) struct Read {
+    /// Where methods come kind by kind, one is enough.
+    most: usize,
+    inputs: Vec<(Method, Inputs)>,
+}
+
+impl Read {
+    /// Keeps that of so many kinds.
+    pub(super) fn keeping(most: usize) -> Self {
+        Self { most, inputs: Vec::new() }
+    }
+
+    fn take(&mut self, method: Method) -> Option<Inputs> {
+        let place = self.inputs.iter().position(|(read, _)| *read == kind(method))?;
+        Some(self.inputs.swap_remove(place).1)
+    }
+
+    fn put(&mut self, method: Method, inputs: Inputs) {
+        self.inputs.truncate(self.most - 1);
+        self.inputs.push((kind(method), inputs));
+    }
 }
 
 /// A point and its pictures, as PNG.
 pub(super) struct Shown {
+    pub(super) candidate: Candidate,
     pub(super) point: Point,
-    /// All runs, with what they were set up by.
+    /// All runs.
     took_ms: f64,
     pub(super) image: Vec<u8>,
     pub(super) difference: Vec<u8>,
@@ -63,33 +90,31 @@ struct Runs {
     scene_bytes: u64,
 }
 
-/// What one run took, milliseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Took {
-    geometry: f64,
-    image: f64,
-    setup: f64,
-}
-
-impl Took {
-    fn ms(&self) -> f64 {
-        self.geometry + self.image
+impl<'a> Settings<'a> {
+    pub(super) fn new(
+        context: &'a WorkContext<'a>,
+        request: &'a ChartRequest,
+        truth: &'a Truth<'a>,
+        read: Read,
+    ) -> Self {
+        Self { context, request, truth, read, last: None, passes: Vec::new() }
     }
-}
 
-impl<'a> Sweep<'a> {
-    pub(super) fn new(context: &'a WorkContext<'a>, request: &'a ChartRequest, truth: &'a Truth) -> Self {
-        Self { context, request, truth, read: None, last: None, passes: Vec::new() }
+    /// For the same surface from elsewhere.
+    pub(super) fn into_read(self) -> Read {
+        self.read
     }
 
     /// Unless its sweep has taken too long.
     pub(super) fn show(&mut self, candidate: &Candidate) -> Result<Shown> {
         let beside = self.last.filter(|(last, _)| last.is_beside(candidate));
-        let [took, spent] = beside.map_or([0.0; 2], |(_, times)| times);
+        let [took, spent, setup] = beside.map_or([0.0; 3], |(_, times)| times);
         let pixels = f64::from(self.request.truth.width) * f64::from(self.request.truth.height);
         refuse_slow(took, spent, MOST_MS * (pixels / SMALL).max(1.0))?;
-        let shown = self.shown(candidate)?;
-        self.last = Some((*candidate, [shown.took_ms, spent + shown.took_ms]));
+        let mut shown = self.shown(candidate)?;
+        // What the first made, the others found.
+        shown.point.setup_ms = shown.point.setup_ms.max(setup);
+        self.last = Some((*candidate, [shown.took_ms, spent + shown.took_ms, shown.point.setup_ms]));
         Ok(shown)
     }
 
@@ -101,16 +126,16 @@ impl<'a> Sweep<'a> {
         }
         let mut inputs = self.inputs(&request)?;
         let runs = self.runs(&mut inputs, &request);
-        self.read = Some((kind(candidate.method), inputs));
+        self.read.put(candidate.method, inputs);
         self.compared(candidate, &runs?)
     }
 
     /// What methods of its kind read is read once.
     fn inputs(&mut self, request: &RenderRequest) -> Result<Inputs> {
         let (context, surface) = (self.context, &request.surface);
-        let mut inputs = match self.read.take() {
-            Some((read, inputs)) if read == kind(surface.method) => inputs,
-            _ => Inputs::load(context.assets, context.limits, &quiet(context), surface)?,
+        let mut inputs = match self.read.take(surface.method) {
+            Some(inputs) => inputs,
+            None => Inputs::load(context.assets, context.limits, &quiet(context), surface)?,
         };
         inputs::add_times(&mut self.passes, inputs.take_passes());
         inputs.plans = Plans::make(&mut inputs.scene, &surface.geometry, context.limits)?;
@@ -176,7 +201,9 @@ impl<'a> Sweep<'a> {
 
     fn compared(&self, candidate: &Candidate, runs: &Runs) -> Result<Shown> {
         let picture = Picture::of_images("image", &runs.images)?;
-        let (error, differences) = metrics::compare(&self.truth.picture, &picture, self.context.cancel)?;
+        let (mut error, differences) = metrics::compare(&self.truth.picture, &picture, self.context.cancel)?;
+        let apart = || hit_error(&self.truth.towards(&picture), &picture).map(|error| error.p99);
+        error.hit_error_px = self.truth.reprojected_px(&runs.images).or_else(apart);
         let took = median(&runs.took).ok_or_else(|| Error::internal("a setting was never run"))?;
         let point = Point {
             name: candidate.name(),
@@ -190,14 +217,16 @@ impl<'a> Sweep<'a> {
             ms_spread: spread(&runs.took),
             geometry_ms: took.geometry,
             image_ms: took.image,
-            setup_ms: took.setup,
+            setup_ms: setup_of(&runs.took),
             runs: runs.took.len() as u32,
             error,
             fronts: Vec::new(),
+            predicted_px: None,
+            chosen: false,
         };
         let difference = encode::encode_rgb8(differences.width, differences.height, &differences.colors())?;
         let took_ms = all_of(&runs.took);
-        Ok(Shown { point, took_ms, image: truth::png(&runs.images)?, difference })
+        Ok(Shown { candidate: *candidate, point, took_ms, image: truth::png(&runs.images)?, difference })
     }
 }
 
@@ -209,67 +238,4 @@ fn kind(method: Method) -> Method {
 /// What a setting's own passes tell is not the job's.
 fn quiet<'a>(context: &WorkContext<'a>) -> JobContext<'a> {
     JobContext { cancel: context.cancel, progress: &NoProgress }
-}
-
-/// Fails where one more setting like the last would take too long.
-fn refuse_slow(took_ms: f64, spent_ms: f64, most_ms: f64) -> Result<()> {
-    if spent_ms + took_ms <= most_ms {
-        return Ok(());
-    }
-    let message = format!(
-        "its method has taken {:.1} s for other settings, and one more would make it more than {:.0} s: take a faster device or a smaller map",
-        spent_ms / 1e3,
-        most_ms / 1e3
-    );
-    Err(Error::new(ErrorKind::TooLarge, message))
-}
-
-fn all_of(runs: &[Took]) -> f64 {
-    runs.iter().map(|took| took.ms() + took.setup).sum()
-}
-
-fn sum_of(times: &[PassTime], counts: impl Fn(&str) -> bool) -> f64 {
-    times.iter().filter(|time| counts(&time.name)).map(|time| time.ms).sum()
-}
-
-/// The run in the middle, of two the faster.
-fn median(runs: &[Took]) -> Option<Took> {
-    let mut runs = runs.to_vec();
-    runs.sort_by(|a, b| a.ms().total_cmp(&b.ms()));
-    runs.get(runs.len().saturating_sub(1) / 2).copied()
-}
-
-fn spread(runs: &[Took]) -> Option<f64> {
-    let ms = runs.iter().map(Took::ms);
-    let [least, most] = ms.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], ms| [least.min(ms), most.max(ms)]);
-    (runs.len() > 1).then_some(most - least)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn took(geometry: f64, image: f64) -> Took {
-        Took { geometry, image, setup: 100.0 * geometry }
-    }
-
-    #[test]
-    fn the_run_in_the_middle_counts_whole() {
-        assert_eq!(median(&[took(1.0, 5.0), took(4.0, 1.0), took(0.5, 9.0)]), Some(took(1.0, 5.0)));
-        assert_eq!(median(&[took(1.0, 5.0), took(4.0, 1.0)]), Some(took(4.0, 1.0)));
-        assert_eq!(median(&[]), None);
-    }
-
-    #[test]
-    fn one_run_has_no_spread() {
-        assert_eq!(spread(&[took(1.0, 2.0)]), None);
-        assert_eq!(spread(&[took(1.0, 2.0), took(1.0, 4.0), took(0.0, 2.5)]), Some(2.5));
-    }
-
-    #[test]
-    fn a_method_that_takes_too_long_is_not_asked_again() {
-        assert!(refuse_slow(0.0, 0.0, 8000.0).is_ok() && refuse_slow(2000.0, 6000.0, 8000.0).is_ok());
-        let error = refuse_slow(5000.0, 5000.0, 8000.0).unwrap_err();
-        assert!(error.message.contains("5.0 s") && error.message.contains("8 s"), "{error}");
-    }
 }

@@ -1,4 +1,4 @@
-//! What a tolerance in pixels means under the camera of the truth.
+//! What a tolerance in pixels means under the camera of an image.
 
 use glam::{DMat4, DVec3};
 

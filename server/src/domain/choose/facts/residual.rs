@@ -1,0 +1,168 @@
+//! How far a map is from affine (`methods.md` D.2): for blocks of growing size that overlap by half, a plane and the range
+//! of what is left; and second differences.
+//!
+//! Theorem: where h = a + e, a affine and e in [r-, r+], anything linear between places of h is within r+ - r- of h, since
+//! interpolation reproduces a and averages e. A bilinear map has its extremes of e at texels.
+
+use displace_glsl::reference::relief::HeightLevel;
+use glam::{DVec2, IVec2};
+
+use super::{HeightFacts, Window, above, over};
+use crate::domain::choose::greatest::Greatest;
+
+#[derive(Clone, Debug)]
+pub(super) struct Residuals {
+    /// Of blocks 2^(k + 1) cells wide, each 2^k from the one before: r+ - r-.
+    levels: Vec<([usize; 2], Greatest)>,
+    /// Of texels: how much the slope changes there along u, and along v; of cells: their twist.
+    seconds: [Greatest; 3],
+}
+
+/// A plane around the middle of a block, and what is left of the heights.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    middle: f64,
+    slope: DVec2,
+    rest: [f64; 2],
+    range: [f64; 2],
+}
+
+impl Residuals {
+    pub(super) fn new(map: &HeightLevel) -> Self {
+        let size = map.size.map(|n| n as usize);
+        let places = |size: [usize; 2]| {
+            (0..size[0] * size[1]).map(move |k| IVec2::new((k % size[0]) as i32, (k / size[0]) as i32))
+        };
+        let mut blocks: Vec<Block> = places(size).map(|at| Block::over(map, at)).collect();
+        let mut of_blocks = size;
+        let mut levels = vec![(size, grid(size, &blocks))];
+        // What repeats after no whole number of blocks has none so large.
+        let is_whole = |blocks: usize| (0..2).all(|k| !map.repeats[k] || size[k] % blocks == 0);
+        while of_blocks.iter().any(|n| *n > 2) && is_whole(1 << levels.len()) {
+            let below = Row { size: of_blocks, blocks: &blocks, repeats: map.repeats };
+            let half = 2f64.powi(levels.len() as i32 - 1);
+            let next = of_blocks.map(|n| n.div_ceil(2));
+            let above = places(next).map(|at| Block::around(&below, at, half)).collect();
+            (of_blocks, blocks) = (next, above);
+            levels.push((next, grid(next, &blocks)));
+        }
+        let second = |kind: usize| Greatest::new(size, places(size).map(|at| above(second(map, at, kind))).collect());
+        Self { levels, seconds: [0, 1, 2].map(second) }
+    }
+
+    /// See [`HeightFacts::residual`].
+    pub(super) fn over(&self, facts: &HeightFacts, window: &Window, size: DVec2) -> f64 {
+        self.of_blocks(facts, window, size.max_element()).min(self.of_seconds(facts, window, size))
+    }
+
+    /// About how far the heights around a place are from the plane that fits them best, over a square of this side.
+    pub(super) fn about(&self, facts: &HeightFacts, place: DVec2, side: f64) -> f64 {
+        // Of blocks twice as wide as they are apart.
+        let level = ((0.5 * side).max(1.0).log2().round() as usize).min(self.levels.len() - 1);
+        let (size, grid) = &self.levels[level];
+        let width = 2f64.powi(level as i32);
+        let at = (place / width - 0.5).floor().as_ivec2();
+        let shrink = (side / (2.0 * width)).min(1.0);
+        0.5 * over(grid, *size, facts.repeats, at, at) * shrink * shrink
+    }
+
+    fn of_blocks(&self, facts: &HeightFacts, window: &Window, side: f64) -> f64 {
+        // Blocks of what is clamped end with it.
+        let leaves =
+            (0..2).any(|k| !facts.repeats[k] && (window.low[k] < 0.0 || window.high[k] > facts.size()[k] - 1.0));
+        if leaves {
+            return f64::INFINITY;
+        }
+        let level = side.max(1.0).log2().ceil() as usize;
+        let Some((size, grid)) = self.levels.get(level) else { return f64::INFINITY };
+        let width = 2f64.powi(level as i32);
+        let [first, last] = [window.low, (window.high - side).max(window.low)].map(|p| (p / width).floor().as_ivec2());
+        over(grid, *size, facts.repeats, first, last)
+    }
+
+    /// Of the difference to what is linear, h(x) - sum l_i h(x_i) with x = sum l_i x_i, a change of slope along u at a line
+    /// makes up at most a quarter of the size along u, all lines together an eighth of its square and that of one more; a
+    /// twist t at most t times the mean of |dx dy|, a quarter of the box.
+    pub(super) fn of_seconds(&self, facts: &HeightFacts, window: &Window, size: DVec2) -> f64 {
+        let lines = |s: f64| (s.ceil() * s / 4.0).min(s * s / 8.0 + s / 4.0);
+        let shares = [lines(size.x), lines(size.y), size.x * size.y / 4.0];
+        let (low, high) = (window.low.floor().as_ivec2(), window.high.ceil().as_ivec2());
+        // Lines on which slopes change lie inside; cells begin inside or before.
+        let (first, last) = (low + 1, high - 1);
+        let windows = [
+            [IVec2::new(first.x, low.y), IVec2::new(last.x, high.y)],
+            [IVec2::new(low.x, first.y), IVec2::new(high.x, last.y)],
+            [low, last.max(low)],
+        ];
+        let most = |grid: &Greatest, [first, last]: [IVec2; 2]| {
+            if first.cmpgt(last).any() { 0.0 } else { over(grid, facts.size, facts.repeats, first, last) }
+        };
+        let of = |k: usize| if shares[k] > 0.0 { most(&self.seconds[k], windows[k]) * shares[k] } else { 0.0 };
+        (0..3).map(of).sum()
+    }
+}
+
+fn grid(size: [usize; 2], blocks: &[Block]) -> Greatest {
+    let residual = |b: &Block| above((b.rest[1] - b.rest[0]).min(b.range[1] - b.range[0]));
+    Greatest::new(size, blocks.iter().map(residual).collect())
+}
+
+/// |h(x - 1, y) - 2 h(x, y) + h(x + 1, y)|, the same along v, and |h(x, y) - h(x + 1, y) - h(x, y + 1) + h(x + 1, y + 1)|.
+fn second(map: &HeightLevel, at: IVec2, kind: usize) -> f64 {
+    let texel = |x: i32, y: i32| map.texel(at + IVec2::new(x, y));
+    match kind {
+        0 => (texel(-1, 0) - 2.0 * texel(0, 0) + texel(1, 0)).abs(),
+        1 => (texel(0, -1) - 2.0 * texel(0, 0) + texel(0, 1)).abs(),
+        _ => (texel(0, 0) - texel(1, 0) - texel(0, 1) + texel(1, 1)).abs(),
+    }
+}
+
+/// Blocks of one size.
+struct Row<'b> {
+    size: [usize; 2],
+    blocks: &'b [Block],
+    repeats: [bool; 2],
+}
+
+impl Row<'_> {
+    fn at(&self, at: IVec2) -> Block {
+        let k = |axis: usize| {
+            let n = self.size[axis] as i32;
+            if self.repeats[axis] { at[axis].rem_euclid(n) } else { at[axis].min(n - 1) }
+        };
+        self.blocks[k(1) as usize * self.size[0] + k(0) as usize]
+    }
+}
+
+const CORNERS: [DVec2; 4] =
+    [DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, 1.0)];
+
+impl Block {
+    /// The least squares plane of the 3 x 3 texels from `first` on.
+    fn over(map: &HeightLevel, first: IVec2) -> Self {
+        let texels = || (0..9).map(|k| IVec2::new(k % 3, k / 3)).map(|at| (at.as_dvec2() - 1.0, map.texel(first + at)));
+        let middle = texels().map(|(_, h)| h).sum::<f64>() / 9.0;
+        let slope = texels().map(|(at, h)| at * h).sum::<DVec2>() / 6.0;
+        let ends = |[low, high]: [f64; 2], x: f64| [low.min(x), high.max(x)];
+        let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+        let rest = texels().fold(nothing, |r, (at, h)| ends(r, h - middle - slope.dot(at)));
+        Self { middle, slope, rest, range: texels().fold(nothing, |r, (_, h)| ends(r, h)) }
+    }
+
+    /// Of four blocks `2 half` wide that lie side by side, with the plane of their middles.
+    fn around(below: &Row<'_>, at: IVec2, half: f64) -> Self {
+        let parts = CORNERS.map(|c| (c * half, below.at(2 * at + (c + 1.0).as_ivec2())));
+        let middle = parts.iter().map(|(_, b)| b.middle).sum::<f64>() / 4.0;
+        let slope = parts.iter().map(|(c, b)| *c * b.middle).sum::<DVec2>() / (4.0 * half * half);
+        let plane = |at: DVec2| middle + slope.dot(at);
+        let mut block = Self { middle, slope, rest: [f64::INFINITY, f64::NEG_INFINITY], range: parts[0].1.range };
+        for (centre, part) in &parts {
+            let apart = CORNERS.map(|c| part.middle + part.slope.dot(c * half) - plane(*centre + c * half));
+            let [low, high] =
+                [apart.into_iter().fold(f64::INFINITY, f64::min), apart.into_iter().fold(f64::MIN, f64::max)];
+            block.rest = [block.rest[0].min(low + part.rest[0]), block.rest[1].max(high + part.rest[1])];
+            block.range = [block.range[0].min(part.range[0]), block.range[1].max(part.range[1])];
+        }
+        block
+    }
+}

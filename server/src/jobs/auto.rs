@@ -1,0 +1,134 @@
+//! What is settled of an image before anything is made: the method of each material (`Method::Auto`), and triangles within
+//! pixels of the image's own camera.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `auto/candidates.rs` | what there is to show a material by, its predicted errors and cost |
+//! | `auto/realised.rs` | from what was chosen to what is displaced, marched and bent |
+//! | `auto/measured.rs` | what an image is really off by |
+
+mod candidates;
+mod measured;
+mod realised;
+
+use std::sync::Arc;
+
+use displace_glsl::methods::Method;
+
+use super::{
+    AssetReader, JobLimits, exact,
+    inputs::{self, Inputs},
+    lens,
+    plans::Plans,
+};
+use crate::{
+    domain::{
+        Result,
+        choice::Choice,
+        cost::CostModel,
+        detail::Detail,
+        image::{ImageSet, RenderCamera},
+        report::PassTime,
+        request::{Aov, Refinement, RenderRequest, Tolerance},
+    },
+    render::JobContext,
+};
+
+pub(super) use candidates::{MOST_TEXELS, Seen, Weighing, weigh};
+pub(super) use realised::displace_all;
+
+/// An image whose method, triangles and camera are known.
+pub(super) struct Settled {
+    pub(super) request: RenderRequest,
+    pub(super) inputs: Inputs,
+    /// Where it was needed to decide; else what is made decides.
+    pub(super) camera: Option<RenderCamera>,
+    /// Of `Method::Auto`.
+    pub(super) choices: Vec<Choice>,
+    /// The materials that these are of.
+    materials: Vec<Option<usize>>,
+    /// What the surface has that the image stands for, whatever shows it.
+    details: Vec<Vec<Option<Arc<Detail>>>>,
+    pub(super) passes: Vec<PassTime>,
+}
+
+impl Settled {
+    fn new(request: RenderRequest, inputs: Inputs, camera: Option<RenderCamera>) -> Self {
+        let (choices, materials, passes) = (Vec::new(), Vec::new(), Vec::new());
+        let details = inputs.details.clone();
+        Self { request, inputs, camera, choices, materials, details, passes }
+    }
+
+    /// Whether something else than triangles within the tolerance shows a detail.
+    fn shows_otherwise(&self) -> bool {
+        self.choices.iter().any(|choice| !choice.chosen.is_displaced())
+    }
+
+    /// What the image needs besides what was asked for, so that it can be measured.
+    pub(super) fn measured_aovs(&self) -> &'static [Aov] {
+        if self.shows_otherwise() { &[Aov::Depth, Aov::Position, Aov::Uv] } else { &[] }
+    }
+
+    /// Notes what the image is off by. Whether all of it is as near as it was predicted to be.
+    pub(super) fn measure(&mut self, images: &ImageSet) -> bool {
+        if self.measured_aovs().is_empty() {
+            return true;
+        }
+        let scene = (&self.inputs.scene, self.details.as_slice());
+        let errors = measured::p99_px(scene, &self.request.surface.geometry, images, &self.materials);
+        for (choice, error_px) in self.choices.iter_mut().zip(errors) {
+            choice.measured_px = error_px;
+        }
+        self.choices.iter().all(|choice| choice.is_kept())
+    }
+}
+
+/// What deciding needs.
+#[derive(Clone, Copy)]
+pub(super) struct Desk<'a> {
+    pub(super) assets: &'a dyn AssetReader,
+    pub(super) limits: &'a JobLimits,
+    pub(super) job: &'a JobContext<'a>,
+    pub(super) model: CostModel,
+    /// Whether samples are rays, which meet triangles alone.
+    pub(super) traces_rays: bool,
+}
+
+/// Loads what the request names, and decides what it leaves open.
+pub(super) fn settle(desk: Desk<'_>, request: &RenderRequest) -> Result<Settled> {
+    let request = request.clone();
+    let Some(tolerance_px) = request.own_camera_px() else {
+        let inputs = Inputs::load(desk.assets, desk.limits, desk.job, &request.surface)?;
+        return Ok(Settled::new(request, inputs, None));
+    };
+    let asked = request.surface.geometry.clone();
+    let mut request = request;
+    request.surface.geometry.refinement = Refinement::Uniform(0);
+    let inputs = Inputs::load(desk.assets, desk.limits, desk.job, &request.surface)?;
+    let camera = exact::camera(desk.job.cancel, &inputs, &request)?;
+    let within = within(asked.tolerance(), tolerance_px, &camera, &request);
+    let mut settled = Settled::new(request, inputs, Some(camera));
+    if settled.request.surface.method == Method::Auto {
+        let mut passes = Vec::new();
+        inputs::timed(desk.job.progress, "choose", &mut passes, || {
+            let asked = settled.request.clone();
+            let weighed = weigh(desk, &settled.inputs, &asked, &camera, tolerance_px)?;
+            realised::realise(desk, &mut settled, &weighed, &within)
+        })?;
+        settled.passes = passes;
+    } else {
+        settled.request.surface.geometry.refinement = within;
+        settled.inputs.plans = Plans::make(&mut settled.inputs.scene, &settled.request.surface.geometry, desk.limits)?;
+    }
+    Ok(settled)
+}
+
+/// As asked, with the camera for a view.
+fn within(asked: Option<&Tolerance>, tolerance_px: f64, camera: &RenderCamera, request: &RenderRequest) -> Refinement {
+    match (lens::within(tolerance_px, camera, [request.width, request.height]), asked) {
+        (Refinement::Tolerance(own), Some(asked)) => {
+            Refinement::Tolerance(Tolerance { allowed: own.allowed, ..asked.clone() })
+        }
+        (own, _) => own,
+    }
+}

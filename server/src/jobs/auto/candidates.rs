@@ -1,0 +1,197 @@
+//! What there is to show a material by: each method that goes with it, its predicted errors and its cost.
+
+mod seen;
+
+use std::sync::Arc;
+
+use displace_glsl::methods::Method;
+
+use super::Desk;
+use crate::{
+    domain::{
+        Error, Result,
+        chart::Setting,
+        choice::{self, Candidate, Picked},
+        detail::{Detail, LayerSource},
+        image::{AlphaMode, RenderCamera},
+        maps,
+        projection::Projection,
+        relief::Relief,
+        request::{Base, RenderRequest},
+        scene::{Alpha, Scene},
+    },
+    jobs::inputs::Inputs,
+};
+pub(in crate::jobs) use seen::Seen;
+
+/// What is known of a map takes 40 bytes a texel.
+pub(in crate::jobs) const MOST_TEXELS: usize = 1 << 24;
+
+/// One material with a detail, and what shows it.
+pub(in crate::jobs) struct Weighing<'a> {
+    /// None of primitives without one.
+    pub(super) material: Option<usize>,
+    /// Its heights, where they can be shown per pixel.
+    pub(super) relief: Option<Arc<Relief>>,
+    /// The same as the image sees them.
+    pub(in crate::jobs) seen: Option<Seen<'a>>,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) picked: Picked,
+    pub(super) tolerance_px: f64,
+    /// Why it is what it is, where cost did not decide; else empty.
+    pub(super) reason: String,
+}
+
+/// Of every material with a detail, those without a name last.
+pub(in crate::jobs) fn weigh<'a>(
+    desk: Desk<'_>,
+    inputs: &Inputs,
+    request: &'a RenderRequest,
+    camera: &RenderCamera,
+    tolerance_px: f64,
+) -> Result<Vec<Weighing<'a>>> {
+    let of = details(inputs);
+    let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
+    let mut all = Vec::with_capacity(of.len());
+    for ((material, detail), relief) in of.iter().zip(reliefs) {
+        desk.job.cancel.check()?;
+        let refused = refused(desk, &inputs.scene, request, *material, relief.as_ref());
+        let relief = relief.filter(|_| refused.is_none());
+        let seen = relief.as_deref().map(|relief| Seen::new(&inputs.scene, *material, relief, camera, request));
+        let candidates = candidates(desk, seen.as_ref(), is_vector(detail), tolerance_px);
+        let picked = picked(&candidates, tolerance_px)?;
+        let reason = refused.unwrap_or_default().into();
+        all.push(Weighing { material: *material, relief, seen, candidates, picked, tolerance_px, reason });
+    }
+    agree_on_march(&mut all)?;
+    agree_on_motion(&inputs.scene, &mut all);
+    Ok(all)
+}
+
+fn picked(candidates: &[Candidate], tolerance_px: f64) -> Result<Picked> {
+    choice::pick(candidates, tolerance_px).ok_or_else(|| Error::internal("nothing to choose from"))
+}
+
+/// Why heights are not shown per pixel.
+fn refused(
+    desk: Desk<'_>,
+    scene: &Scene,
+    request: &RenderRequest,
+    material: Option<usize>,
+    relief: Option<&Arc<Relief>>,
+) -> Option<&'static str> {
+    let is_blended = material.is_some_and(|m| matches!(scene.materials[m].alpha, Alpha::Blend));
+    [
+        (relief.is_none(), "its detail is not one height map, so that triangles alone hold it"),
+        (
+            request.surface.maps.projection != Projection::Uv,
+            "maps are projected, and heights per pixel are read at texture coordinates",
+        ),
+        (
+            request.surface.geometry.base != Base::Flat,
+            "the base is curved, and errors per pixel are predicted over flat triangles",
+        ),
+        (desk.traces_rays && request.rays().is_some(), "samples are rays, which meet triangles"),
+        (
+            relief.is_some_and(|relief| relief.map.heights.len() > MOST_TEXELS),
+            "its map has more texels than errors are predicted for",
+        ),
+        (is_blended && request.look.alpha == AlphaMode::Blend, "it is blended, and heights per pixel are not"),
+    ]
+    .into_iter()
+    .find_map(|(applies, reason)| applies.then_some(reason))
+}
+
+/// Triangles always; what shows heights otherwise where it is known how they look.
+fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, tolerance_px: f64) -> Vec<Candidate> {
+    let method = if is_vector { Method::Vector } else { Method::Displacement };
+    let of = |method: Method, setting: Setting, [error_px, outline_px]: [f64; 2]| {
+        let work = seen.map(|seen| seen.work(method, setting)).unwrap_or_default();
+        let (shell, cost_ms) = (setting == Setting::Shell, desk.model.ms(&work));
+        Candidate { method, shell, error_px, outline_px, cost_ms, work }
+    };
+    let mut all = vec![of(method, Setting::TolerancePx(tolerance_px), [tolerance_px; 2])];
+    let Some(seen) = seen else { return all };
+    let per_pixel = [
+        (Method::Bump, Setting::None),
+        (Method::Parallax, Setting::None),
+        (Method::ParallaxIterative, Setting::None),
+        (Method::Exact, Setting::None),
+        (Method::Exact, Setting::Shell),
+    ];
+    all.extend(per_pixel.map(|(method, setting)| of(method, setting, seen.predicted(method, setting))));
+    all
+}
+
+/// An image has one method that marches, and outlines for all of it or none: where materials differ, exact is what all take.
+fn agree_on_march(all: &mut [Weighing<'_>]) -> Result<()> {
+    let marched =
+        |w: &Weighing<'_>| Some(w.chosen()).filter(|c| c.method.marcher().is_some()).map(|c| (c.method, c.shell));
+    let mut kinds: Vec<(Method, bool)> = Vec::new();
+    for kind in all.iter().filter_map(marched) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    if kinds.len() < 2 {
+        return Ok(());
+    }
+    let shell = kinds.iter().any(|(_, shell)| *shell);
+    for weighing in all.iter_mut().filter(|w| marched(w).is_some()) {
+        weighing.candidates.retain(|c| c.method.marcher().is_none() || (c.method, c.shell) == (Method::Exact, shell));
+        weighing.picked = picked(&weighing.candidates, weighing.tolerance_px)?;
+        weighing.reason = "materials of one image share the method that marches and how it shows outlines".into();
+    }
+    Ok(())
+}
+
+/// Where one material of a mesh is displaced all are: they share vertices.
+fn agree_on_motion(scene: &Scene, all: &mut [Weighing<'_>]) {
+    let together = |mesh: usize, w: &Weighing<'_>| {
+        scene.meshes[mesh].mesh.primitives.iter().any(|primitive| primitive.material == w.material)
+    };
+    // What one mesh forces on a material another may have to follow.
+    for _ in 0..all.len() {
+        for mesh in 0..scene.meshes.len() {
+            let moves = |w: &Weighing<'_>| together(mesh, w) && w.chosen().method.moves_vertices();
+            if !all.iter().any(moves) {
+                continue;
+            }
+            for weighing in all.iter_mut().filter(|w| together(mesh, w) && !w.chosen().method.moves_vertices()) {
+                weighing.displace("another material of its mesh is displaced, and they share vertices");
+            }
+        }
+    }
+}
+
+impl Weighing<'_> {
+    fn displace(&mut self, reason: &str) {
+        let displaced = self.candidates.iter().position(|c| c.method.moves_vertices()).unwrap_or(0);
+        let before = self.picked.chosen;
+        self.picked = Picked { chosen: displaced, next_better: None, next_cheaper: Some(before) };
+        self.reason = reason.into();
+    }
+}
+
+/// Of each material that is shown and has one.
+fn details(inputs: &Inputs) -> Vec<(Option<usize>, Arc<Detail>)> {
+    let mut all: Vec<(Option<usize>, Arc<Detail>)> = Vec::new();
+    for (index, (m, details)) in inputs.scene.meshes.iter().zip(&inputs.details).enumerate() {
+        if !inputs.scene.instances.iter().any(|instance| instance.mesh == index) {
+            continue;
+        }
+        for (primitive, detail) in m.mesh.primitives.iter().zip(details) {
+            let Some(detail) = detail else { continue };
+            if !all.iter().any(|(known, _)| *known == primitive.material) {
+                all.push((primitive.material, Arc::clone(detail)));
+            }
+        }
+    }
+    all.sort_by_key(|(material, _)| material.map_or(usize::MAX, |m| m));
+    all
+}
+
+fn is_vector(detail: &Detail) -> bool {
+    let holds = |source: &LayerSource| matches!(source, LayerSource::VectorTangent(_) | LayerSource::VectorObject(_));
+    detail.layers.iter().any(|layer| holds(&layer.source))
+}

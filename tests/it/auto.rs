@@ -1,0 +1,167 @@
+//! `--method auto`: what is chosen is near enough, and all that is said of it is so.
+
+use std::path::{Path, PathBuf};
+
+use displace_tests::{
+    cli::Run,
+    data::sample,
+    meshes,
+    reprojected::{Displaced, layers},
+    server::{displace, reference, validated},
+};
+use serde_json::Value;
+
+const SCALE: f32 = 0.1;
+/// Eyes above a plane of side 1: so near that heights are many pixels, and so far that they are less than one.
+const NEAR: &str = "0,0.7,0.9";
+const FAR: &str = "0,21,27";
+
+/// A plane and heights on it.
+struct Bench {
+    folder: tempfile::TempDir,
+    map: PathBuf,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("plane.glb"), meshes::plane(2).to_glb()).expect("written");
+        Self { folder, map: sample("maps/rock_height.png") }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// An image of the plane, 96 pixels wide.
+    fn run(&self, flags: &str, eye: &str, out: &str, server: &str) -> Run {
+        let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+        let (mesh, map, out) = (text(&self.path("plane.glb")), text(&self.map), text(&self.path(out)));
+        let scale = SCALE.to_string();
+        let fixed = ["render", &mesh, "--height", &map, "--scale", &scale, "--size", "96x96", "--eye", eye];
+        let ends = ["--look-at", "0,0,0", "-o", &out, "--json", "--server", server];
+        let flags: Vec<&str> = flags.split_whitespace().collect();
+        displace(&[&fixed[..], &flags, &ends].concat())
+    }
+
+    fn report(&self, flags: &str, eye: &str, out: &str) -> Value {
+        self.run(flags, eye, out, validated()).expect_success().json()
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).expect(name)
+    }
+}
+
+fn px(choice: &Value, what: &str) -> f64 {
+    choice[what].as_f64().unwrap_or_else(|| panic!("{what} is not in {choice}"))
+}
+
+#[test]
+fn what_is_chosen_is_off_by_no_more_than_predicted_nor_that_by_more_than_allowed() {
+    let bench = Bench::new();
+    let surface = Displaced::load(&bench.path("plane.glb"), &bench.map, SCALE);
+    for (eye, tolerance_px) in [(NEAR, 0.5), (NEAR, 4.0), (NEAR, 30.0), (FAR, 0.5), (FAR, 2.0)] {
+        let flags = format!("--tolerance-px {tolerance_px} --aov depth,position,uv");
+        let report = bench.report(&flags, eye, "out.exr");
+        let choice = &report["choices"][0];
+        let error_px = surface.p99_px(&layers(&bench.path("out.exr")).images).expect("something is seen");
+        assert!(px(choice, "predicted") <= tolerance_px && px(choice, "predicted_outline") <= tolerance_px, "{choice}");
+        assert!(error_px <= px(choice, "predicted"), "{eye}: measured {error_px}, {choice}");
+        assert_eq!(px(choice, "tolerance_px"), tolerance_px);
+    }
+}
+
+#[test]
+fn heights_that_are_far_away_only_bend_normals_and_those_near_by_do_more() {
+    let bench = Bench::new();
+    let far = bench.report("", FAR, "far.png");
+    assert_eq!((&far["method"], &far["choices"][0]["method"]), (&"bump".into(), &"bump".into()), "{far}");
+    assert_eq!(far["triangles"], far["triangles_in"]);
+    assert!(px(&far["choices"][0], "measured") <= px(&far["choices"][0], "predicted"), "{far}");
+    let near = bench.report("", NEAR, "near.png");
+    let choice = &near["choices"][0];
+    assert_ne!(choice["method"], "bump", "{near}");
+    let cheaper = &choice["next_cheaper"];
+    assert!(px(&cheaper["cost"], "ms") < px(&choice["cost"], "ms"), "{choice}");
+    let worst = cheaper["predicted"].as_f64().unwrap_or(f64::INFINITY);
+    assert!(
+        worst.max(cheaper["predicted_outline"].as_f64().unwrap_or(f64::INFINITY)) > 0.5,
+        "else it would do: {choice}"
+    );
+}
+
+#[test]
+fn an_image_by_auto_is_the_image_by_what_it_chose() {
+    let bench = Bench::new();
+    for (eye, tolerance_px) in [(FAR, 0.5), (NEAR, 0.5)] {
+        let tolerance = format!("--tolerance-px {tolerance_px}");
+        let choice = bench.report(&tolerance, eye, "auto.png")["choices"][0].clone();
+        let setting = match choice["setting"].as_str() {
+            Some("") => String::new(),
+            Some("shell") => "--silhouettes shell".into(),
+            _ => tolerance,
+        };
+        let flags = format!("--method {} {setting}", choice["method"].as_str().expect("a method"));
+        bench.report(&flags, eye, "named.png");
+        assert!(bench.bytes("auto.png") == bench.bytes("named.png"), "{flags}");
+    }
+}
+
+#[test]
+fn pixels_without_a_view_are_those_of_the_image() {
+    let bench = Bench::new();
+    let own = bench.report("--method displacement --tolerance-px 1", NEAR, "own.png");
+    let view = format!("--method displacement --tolerance-px 1 --view {NEAR};0,0,0;40;96x96");
+    let told = bench.report(&view, NEAR, "told.png");
+    assert_eq!((&own["triangles"], &own["accuracy"]), (&told["triangles"], &told["accuracy"]));
+    assert!(bench.bytes("own.png") == bench.bytes("told.png"));
+    let silent = bench.report("--method displacement", NEAR, "silent.png");
+    assert_eq!(silent["tolerance"], 0.5, "half a pixel where nothing is said");
+}
+
+#[test]
+fn what_cannot_be_shown_per_pixel_is_displaced_and_the_reason_is_told() {
+    let bench = Bench::new();
+    let shadows = bench.report("--shadows ray", NEAR, "shadows.png");
+    assert_eq!(shadows["choices"][0]["method"], "displacement", "{shadows}");
+    let base = bench.report("--base pn", FAR, "base.png");
+    assert_eq!(base["choices"][0]["method"], "displacement");
+    assert!(base["choices"][0]["reason"].as_str().is_some_and(|reason| reason.contains("curved")), "{base}");
+    let rays = bench.run("--supersample 2", FAR, "rays.png", reference()).expect_success().json();
+    assert!(rays["choices"][0]["reason"].as_str().is_some_and(|reason| reason.contains("rays")), "{rays}");
+    let map = bench.map.to_str().expect("UTF-8").to_owned();
+    let two = bench.report(&format!("--height {map} --scale 0.01"), FAR, "two.png");
+    assert!(two["choices"][0]["reason"].as_str().is_some_and(|reason| reason.contains("not one height map")), "{two}");
+}
+
+#[test]
+fn nothing_is_chosen_where_there_is_nothing_to_show() {
+    let bench = Bench::new();
+    let mesh = bench.path("plane.glb");
+    let out = bench.path("flat.png");
+    let words = ["render", mesh.to_str().expect("UTF-8"), "-o", out.to_str().expect("UTF-8"), "--size", "32x32"];
+    let report = displace(&[&words[..], &["--json", "--server", validated()]].concat()).expect_success().json();
+    assert_eq!((&report["method"], report.get("choices")), (&"flat".into(), None));
+}
+
+#[test]
+fn what_leaves_nothing_to_choose_is_refused_with_what_to_do() {
+    let bench = Bench::new();
+    for (flags, field, part) in [
+        ("--method auto --uniform 2", "surface.geometry.refinement", "name a method"),
+        ("--method auto --tolerance 1e-3", "surface.geometry.refinement", "--tolerance-px without --view"),
+        ("--method auto --preimage 4,4", "preimage", "--method displacement"),
+        ("--method auto --steps 8", "lighting.relief.steps", "auto takes none"),
+        ("--aov cost", "aovs[0]", "may choose another"),
+    ] {
+        let run = bench.run(flags, FAR, "out.png", validated());
+        let error = &run.json()["error"];
+        assert_eq!((run.code, &error["field"]), (Some(2), &field.into()), "{flags}: {error}");
+        assert!(error["message"].as_str().is_some_and(|message| message.contains(part)), "{flags}: {error}");
+    }
+    let mesh = bench.path("plane.glb");
+    let words = ["apply", mesh.to_str().expect("UTF-8"), "--expr", "0.1*u", "--method", "auto", "-o", "o.glb"];
+    let run = displace(&[&words[..], &["--json", "--server", validated()]].concat());
+    assert_eq!((run.code, &run.json()["error"]["field"]), (Some(2), &"method".into()), "{}", run.stdout);
+}
