@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use displace_server::domain::image::ImageSet;
 use displace_tests::{
     cli::Run,
     data::sample,
-    meshes,
+    maps, meshes,
     reprojected::{Displaced, layers},
     server::{displace, reference, validated},
 };
@@ -164,4 +165,31 @@ fn what_leaves_nothing_to_choose_is_refused_with_what_to_do() {
     let words = ["apply", mesh.to_str().expect("UTF-8"), "--expr", "0.1*u", "--method", "auto", "-o", "o.glb"];
     let run = displace(&[&words[..], &["--json", "--server", validated()]].concat());
     assert_eq!((run.code, &run.json()["error"]["field"]), (Some(2), &"method".into()), "{}", run.stdout);
+}
+
+/// Seen along z, 5 pixels for each world unit.
+fn looked_at(uv: [f32; 2], position: [f32; 3]) -> ImageSet {
+    ImageSet {
+        width: 10,
+        height: 10,
+        depth: Some(vec![1.0]),
+        position: Some(vec![position]),
+        uv: Some(vec![uv]),
+        clip_from_world: Some([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+        ..ImageSet::default()
+    }
+}
+
+#[test]
+fn a_pixel_is_off_by_as_far_as_the_surface_has_elsewhere_what_it_shows() {
+    let bench = Bench::new();
+    let map = bench.path("high.png");
+    std::fs::write(&map, maps::constant16(u16::MAX)).expect("written");
+    // A plane across y that is raised by a fifth.
+    let surface = Displaced::load(&bench.path("plane.glb"), &map, 0.2);
+    let error_px = |uv: [f32; 2], position: [f32; 3]| surface.p99_px(&looked_at(uv, position)).expect("a pixel");
+    assert!((error_px([0.5; 2], [0.0, 0.0, 0.0]) - 1.0).abs() < 1e-5, "as high as it is left flat");
+    assert!(error_px([0.5; 2], [0.0, 0.2, 0.0]) < 1e-5, "as high as it is");
+    assert!((error_px([0.5; 2], [0.3, 0.2, 0.0]) - 1.5).abs() < 1e-5, "another place");
+    assert_eq!(error_px([1.5; 2], [0.0, 0.2, 0.0]), f64::INFINITY, "a place that no triangle has");
 }

@@ -82,5 +82,5 @@ fn swept(mesh: v1::Digest) -> v1::ChartRequest {
     let view = v1::View { width: 64, height: 64, ..v1::View::default() };
     let render = v1::RenderRequest { surface: Some(surface), views: vec![view], ..v1::RenderRequest::default() };
     let sweeps = [v1::ChartSweep::Angle, v1::ChartSweep::Distance, v1::ChartSweep::Amplitude].map(i32::from).into();
-    v1::ChartRequest { render: Some(render), repeats: Some(1), truth_samples: Some(4), sweeps }
+    v1::ChartRequest { render: Some(render), repeats: Some(1), truth_samples: Some(4), sweeps, stability: false }
 }
