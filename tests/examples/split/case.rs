@@ -49,7 +49,7 @@ impl Case {
         vec![
             of("wall of bricks", meshes::plane(1), "heightfields/bricks_513.exr"),
             of("torus of rock", meshes::torus(24, 12), "maps/ambientcg_Rock020/Rock020_1K_Displacement.jpg"),
-            of("globe", meshes::uv_sphere(24, 12), "maps/earth_three-globe/earth-topology.png"),
+            of("fractal ball", meshes::uv_sphere(24, 12), "heightfields/fbm_513.exr"),
         ]
     }
 
