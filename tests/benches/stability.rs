@@ -85,7 +85,13 @@ fn section(page: &mut String, scenario: &Value) {
         title = word(&scenario["title"]),
     );
     for curve in scenario["curves"].as_array().expect("curves") {
-        let at = curve["breakdown"].as_f64().map_or("–".to_owned(), |at| format!("{at:.3} {unit}"));
+        let line = scenario["line"].as_f64().expect("a line");
+        let values = || curve["values"].as_array().expect("values").iter().filter_map(|pair| pair[1].as_f64());
+        let at = match curve["breakdown"].as_f64() {
+            None => "–".to_owned(),
+            Some(_) if values().all(|value| value > line) => "throughout".to_owned(),
+            Some(at) => format!("{at:.3} {unit}"),
+        };
         let _ = writeln!(page, "| {} | {} | {} |", word(&curve["method"]), at.trim_end(), word(&curve["literature"]));
     }
 }

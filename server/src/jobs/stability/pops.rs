@@ -53,7 +53,7 @@ pub(super) const FLASHES: Row = Row {
     parameter: ["tolerance", "px"],
     metric: ["mean FLIP of a pop, worst frame", "0 to 1"],
     line: 0.02,
-    worse: Worse::Upwards,
+    worse: Worse::Downwards,
     literature: LITERATURE,
     run: flashes,
 };

@@ -21,7 +21,7 @@ pub(super) const POSTS: Row = Row {
     story: "A post that is thinner than a step stands between two steps unseen, and the ray shows what lies behind, however finely its last step \
             is halved. The rays come in at 80 degrees towards the middles of posts, and 16 steps are 2.8 texels long; what is off by more \
             than a step was missed.",
-    asset: Asset::Made("posts 8 texels high, 16 apart"),
+    asset: Asset::Made("posts 8 texels high, 64 apart, so that no other stands in the way"),
     parameter: ["width", "texels"],
     metric: ["rays that are off by more than a step", "%"],
     line: 1.0,
@@ -66,7 +66,7 @@ const SLOTS_DEGREES: f64 = 75.0;
 
 /// How much of a texel a bar of so many texels covers.
 fn covered(texel: u32, width: f64) -> f64 {
-    let within = f64::from(texel % APART) - 4.0;
+    let within = f64::from(texel) - 4.0;
     if within < 0.0 { 0.0 } else { (width - within).clamp(0.0, 1.0) }
 }
 
@@ -87,9 +87,8 @@ fn towards_posts(map: &ReliefMap, width: f64) -> Vec<Course> {
     let mut random = Random::new(13);
     let middle = DVec2::splat(4.0 + 0.5 * (width.ceil() - 1.0));
     let mut one = |_| {
-        let post = [0; 2].map(|_| f64::from(APART) * (4.0 * random.next()).floor());
         let (z, way) = ((0.1 + 0.8 * random.next()) * rays::range(map)[1], random.way());
-        rays::through(map, middle + DVec2::from_array(post), z, way, POSTS_DEGREES)
+        rays::through(map, middle, z, way, POSTS_DEGREES)
     };
     (0..RAYS).map(&mut one).collect()
 }
@@ -101,7 +100,7 @@ fn step(course: &Course) -> f64 {
 
 fn slots(lab: &Lab<'_>) -> Result<Vec<Curve>> {
     let at = |width: f64| {
-        let map = rays::map([SIDE; 2], |x, _| HIGH * (1.0 - covered(x, width)));
+        let map = rays::map([SIDE; 2], |x, _| HIGH * (1.0 - covered(x % APART, width)));
         let courses = rays::anywhere(&map, RAYS, SLOTS_DEGREES);
         (map, courses)
     };

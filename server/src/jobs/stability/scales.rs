@@ -28,8 +28,7 @@ pub(super) const STRETCHED: Row = Row {
     title: "Nodes that stretch one way",
     story: "Under a node that stretches z alone, points go by its matrix and normals by the transpose of its inverse: going by the matrix they lean the wrong \
             way, by up to the stretch itself. The displaced mesh is drawn under the node, and against it with the node worked into \
-            its vertices; what is left is that one blends normals after, the other before they are turned. A mirroring node is asked \
-            for the same pixels besides.",
+            its vertices. A mirroring node is asked for the same pixels besides.",
     asset: Asset::OwnSurface,
     parameter: ["scale of z", ""],
     metric: ["normal off by, 99th percentile of pixels", "degrees"],
@@ -129,13 +128,13 @@ fn shot(lab: &Lab<'_>, mesh: RenderMesh, by: [f32; 3]) -> Result<ImageSet> {
     lab.shot(&scene, [SIDE; 2])
 }
 
-/// Scaled in its vertices; normals by the inverse transpose, or wrongly by the matrix itself.
+/// Scaled in its vertices; normals by the inverse transpose, or wrongly by the matrix itself. Their lengths stay as they
+/// come out, so that between vertices they blend as under a node.
 fn worked_in(mesh: &RenderMesh, by: [f32; 3], rightly: bool) -> RenderMesh {
     let matrix = DMat3::from_diagonal(DVec3::from_array(by.map(f64::from)));
     let of_normals = if rightly { matrix.inverse().transpose() } else { matrix };
     let moved = |p: &[f32; 3]| (Vec3::from(*p) * Vec3::from(by)).to_array();
-    let turned =
-        |n: &[f32; 3]| (of_normals * DVec3::from_array(n.map(f64::from))).normalize_or_zero().as_vec3().to_array();
+    let turned = |n: &[f32; 3]| (of_normals * DVec3::from_array(n.map(f64::from))).as_vec3().to_array();
     RenderMesh {
         positions: Arc::new(mesh.positions.iter().map(moved).collect()),
         normals: Arc::new(mesh.normals.iter().map(turned).collect()),
