@@ -23,6 +23,7 @@ mod oracle_rays;
 mod packing;
 mod passes;
 mod pieces;
+mod predicted;
 mod raster;
 mod refine;
 mod relief;

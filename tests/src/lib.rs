@@ -12,6 +12,7 @@ pub mod golden;
 pub mod maps;
 pub mod march;
 pub mod meshes;
+pub mod predicted;
 pub mod projective;
 pub mod reprojected;
 pub mod server;

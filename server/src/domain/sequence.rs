@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Digest, Error, Result,
-    request::{Allowed, CameraChoice, ImageFormat, Refinement, RenderRequest},
+    request::{CameraChoice, ImageFormat, RenderRequest},
 };
 pub use timeline::{Eye, MORPH_FRAMES, Shown, Timeline};
 
@@ -126,13 +126,7 @@ impl SequenceRequest {
     /// Pixels of the frames' own cameras that triangles may be off by; none where something else decides.
     #[must_use]
     pub fn own_tolerance_px(&self) -> Option<f64> {
-        match &self.render.surface.geometry.refinement {
-            Refinement::Tolerance(tolerance) => match &tolerance.allowed {
-                Allowed::Pixels { tolerance_px, views } if views.is_empty() => Some(*tolerance_px),
-                _ => None,
-            },
-            _ => None,
-        }
+        self.render.own_camera_px()
     }
 }
 

@@ -1,4 +1,4 @@
-//! One mesh with a map, its fine mesh, and the coarser ones that are held against it.
+//! One mesh with a map, its surface, and the meshes that are held against it.
 
 use std::path::{Path, PathBuf};
 
@@ -14,18 +14,18 @@ const SCALE: f64 = 0.03;
 /// Places of eyes and how far they are from the middle, diagonals: a view of 40 degrees shows all of the scene.
 const ASIDE: [f64; 3] = [0.6, 0.5, 0.62];
 const AWAY: f64 = 1.5;
-const SIZE: &str = "256x256";
+/// Samples enough that edges of pixels say little.
+const VIEW: [&str; 6] = ["--size", "256x256", "--supersample", "64", "--aov", "depth,position"];
 
 pub(crate) struct Case {
     pub(crate) name: &'static str,
-    /// Triangles of the fine mesh.
-    pub(crate) fine: u64,
     displace: Displace,
     mesh: PathBuf,
     map: PathBuf,
     scale: String,
     eye: String,
     look_at: String,
+    /// An image of the surface itself.
     truth: PathBuf,
 }
 
@@ -43,17 +43,17 @@ pub(crate) struct Row {
 }
 
 impl Case {
-    /// Models without normal maps of their own, and uniform levels that take each to half a million triangles.
+    /// Models without normal maps of their own.
     pub(crate) fn all(corpus: &Corpus) -> Vec<Self> {
-        let of = |name, mesh: TestMesh, map: &str, level| Self::new(name, &mesh, corpus.path(map), level);
+        let of = |name, mesh: TestMesh, map: &str| Self::new(name, &mesh, corpus.path(map));
         vec![
-            of("wall of bricks", meshes::plane(1), "heightfields/bricks_513.exr", "9"),
-            of("torus of rock", meshes::torus(24, 12), "maps/ambientcg_Rock020/Rock020_1K_Displacement.jpg", "5"),
-            of("globe", meshes::uv_sphere(24, 12), "maps/earth_three-globe/earth-topology.png", "5"),
+            of("wall of bricks", meshes::plane(1), "heightfields/bricks_513.exr"),
+            of("torus of rock", meshes::torus(24, 12), "maps/ambientcg_Rock020/Rock020_1K_Displacement.jpg"),
+            of("globe", meshes::uv_sphere(24, 12), "maps/earth_three-globe/earth-topology.png"),
         ]
     }
 
-    fn new(name: &'static str, mesh: &TestMesh, map: PathBuf, level: &str) -> Self {
+    fn new(name: &'static str, mesh: &TestMesh, map: PathBuf) -> Self {
         let displace = Displace::default();
         let path = displace.file("mesh.glb", &mesh.to_glb());
         let found = displace.run(["describe", text(&path), "--json"]).expect_success().json();
@@ -65,11 +65,9 @@ impl Case {
         let eye = [0, 1, 2].map(|k| middle[k] + AWAY * diagonal * ASIDE[k]);
         let truth = displace.folder().join("truth.exr");
         let scale = (SCALE * diagonal).to_string();
-        let mut case =
-            Self { name, fine: 0, displace, mesh: path, map, scale, eye: list(eye), look_at: list(middle), truth };
-        let (fine, report) = case.apply(&["--uniform", level]);
-        case.fine = report["triangles"].as_u64().expect("a count");
-        case.render(&fine, &case.truth);
+        let case = Self { name, displace, mesh: path, map, scale, eye: list(eye), look_at: list(middle), truth };
+        let detail = ["--height", text(&case.map), "--scale", &case.scale, "--exact", "--device", "reference"];
+        case.render(&case.mesh, &detail, &case.truth);
         case
     }
 
@@ -77,7 +75,7 @@ impl Case {
         let map: &[&str] = if is_split { &["--normals", "map"] } else { &[] };
         let (file, report) = self.apply(&[&["--tolerance", tolerance], map].concat());
         let image = self.displace.folder().join("image.exr");
-        self.render(&file, &image);
+        self.render(&file, &[], &image);
         let compared =
             self.displace.run(["compare", text(&self.truth), text(&image), "--json"]).expect_success().json();
         let angle = |which: &str| report["normal_maps"][0]["angle_deg"][which].as_f64();
@@ -102,10 +100,9 @@ impl Case {
         (file, run.expect_success().json())
     }
 
-    fn render(&self, file: &Path, image: &Path) {
-        let args = ["render", text(file), "--eye", &self.eye, "--look-at", &self.look_at, "--size", SIZE];
-        let aovs = ["--aov", "depth,position", "-o", text(image)];
-        self.displace.run([&args[..], &aovs].concat()).expect_success();
+    fn render(&self, file: &Path, flags: &[&str], image: &Path) {
+        let args = ["render", text(file), "--eye", &self.eye, "--look-at", &self.look_at, "-o", text(image)];
+        self.displace.run([&args[..], &VIEW, flags].concat()).expect_success();
     }
 }
 

@@ -21,7 +21,7 @@ fn main() {
     for case in Case::all(&corpus) {
         let alone: Vec<Row> = ALONE.iter().map(|tolerance| case.row(tolerance, false)).collect();
         let split: Vec<Row> = SPLIT.iter().map(|tolerance| case.row(tolerance, true)).collect();
-        models.push(page::Model { name: case.name, fine: case.fine, alone, split });
+        models.push(page::Model { name: case.name, alone, split });
     }
     let folder = repository().join("tests/charts");
     std::fs::write(folder.join("split.csv"), page::csv(&models)).expect("the table can be written");

@@ -6,7 +6,6 @@ use crate::case::Row;
 
 pub(crate) struct Model {
     pub(crate) name: &'static str,
-    pub(crate) fine: u64,
     /// With ever smaller tolerances.
     pub(crate) alone: Vec<Row>,
     pub(crate) split: Vec<Row>,
@@ -71,8 +70,8 @@ pub(crate) fn markdown(models: &[Model]) -> String {
 `DISPLACE_CORPUS=... cargo run -p displace-tests --example split` makes this page and [`split.csv`](split.csv).
 
 A mesh is displaced within a tolerance, a share of the diagonal, and a normal map is made for what its triangles leave out of the
-surface (`apply --normals map`). Its picture, 256 x 256 pixels, is compared with that of the fine mesh, uniformly split into
-half a million triangles. The same is done with meshes that are displaced alone, with the surface's normals at their vertices, for
+surface (`apply --normals map`). Its picture, 256 x 256 pixels of 64 samples, is compared with that of the surface itself, by as many
+rays (`render --exact`). The same is done with meshes that are displaced alone, with the surface's normals at their vertices, for
 tolerances from 1e-2 to 3e-4; how many triangles those take to have the split's FLIP is read between the two nearest,
 by logarithms. The report of a split states both errors: the bound of the geometry, certified, and the angle between the map's
 normals and the surface's, half of the places and 99 of 100.
@@ -107,7 +106,6 @@ fn alone(models: &[Model]) -> String {
             let name = model.name;
             let _ = writeln!(text, "| {name} | {tolerance} | {triangles} | {bytes} | {flip:.4} | {silhouette_px} |");
         }
-        let _ = writeln!(text, "| {} | the fine mesh | {} | | 0 | 0 |", model.name, model.fine);
     }
     text
 }

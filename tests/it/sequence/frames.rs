@@ -139,7 +139,7 @@ fn what_makes_no_frames_is_refused_with_what_would() {
     let orbit = ["--orbit", "0,0", "--orbit-frames", "4"];
     refused(&["--uniform", "1", "--orbit-frames", "4"], "--orbit", "--orbit");
     refused(&["--uniform", "1", "--orbit", "0,0", "--orbit-frames", "1001"], "--orbit-frames", "1..=1000");
-    refused(&["--tolerance-px", "1", "--orbit", "0,0"], "--view", "--view");
+    refused(&[&orbit[..], &["--method", "auto"]].concat(), "surface.method", "name a method");
     for how in ["per-frame", "hysteresis"] {
         let flags = [&orbit[..], &["--uniform", "1", "--tessellation", how]].concat();
         refused(&flags, "sequence.tessellation", "--tolerance-px");

@@ -75,7 +75,7 @@ impl Way {
 }
 
 /// Of a leaf of the quadtree, what the tessellator makes of it after it has collapsed what it could.
-const TRIANGLES_OF_A_LEAF: f64 = 1.0;
+const TRIANGLES_OF_A_LEAF: f64 = 0.8;
 /// Texels of the least leaf: less is a facet of a cell.
 const LEAST_LEAF: f64 = 0.5;
 

@@ -99,8 +99,8 @@ pub struct PatchView {
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
 /// Samples of a pixel's side; each is marched by itself.
 const SAMPLES_ACROSS: f64 = 2.0;
-/// Levels are chosen place by place, and a patch is known at its corners.
-const LEVEL_MARGIN: f64 = 1.1;
+/// Of what rounding makes of the number of a level.
+const LEVEL_MARGIN: f64 = 1.001;
 
 impl Patch {
     /// In four, each like it.
@@ -219,6 +219,18 @@ fn singular(a: DVec3, b: DVec3) -> [f64; 2] {
     [(half - root).max(0.0).sqrt(), (half + root).sqrt()]
 }
 
+/// Pixels times w of the texel that is longest at pixel k, at least anywhere on the patch: along the way that it goes there
+/// it changes linearly.
+fn longest_texel(view: &View, axes: [DVec3; 2], pixels: [DVec2; 3], k: usize) -> f64 {
+    let [x, y] = axes.map(|axis| view.moved(pixels[k], axis));
+    // The texel direction of the greatest singular value.
+    let angle = 0.5 * (2.0 * x.dot(y)).atan2(x.length_squared() - y.length_squared());
+    let way = DVec2::from_angle(angle);
+    let texel = axes[0] * way.x + axes[1] * way.y;
+    let along = view.moved(pixels[k], texel).normalize_or_zero();
+    least(pixels.map(|pixel| view.moved(pixel, texel).dot(along)))
+}
+
 impl PatchView {
     /// None of a patch that is not all before the viewer, or has no area in space or on the map.
     #[must_use]
@@ -248,10 +260,7 @@ impl PatchView {
         let w_of = patch.directions.map(|d| w_row.dot(d));
         let w_ends = w_of.into_iter().flat_map(|w| [w / shortest, w / longest]);
         let axes = plane.texel_axes();
-        let at_samples = |k: usize| {
-            let [x, y] = axes.map(|axis| view.moved(pixels[k], axis).extend(0.0));
-            w[k] / singular(x, y)[1] / SAMPLES_ACROSS
-        };
+        let texel_px = (0..3).map(|k| longest_texel(view, axes, pixels, k)).fold(f64::MIN_POSITIVE, f64::max);
         let mitre = most((0..3).map(|k| (patch.directions[k] - patch.normals[k]).length())) / shortest;
         let area = (pixels[1] - pixels[0]).perp_dot(pixels[2] - pixels[0]).abs() / 2.0;
         Some(Self {
@@ -273,7 +282,7 @@ impl PatchView {
             mitre,
             longest_direction: most(patch.directions.map(DVec3::length)) / shortest,
             stretch: most(patch.directions.map(DVec3::length)) * (1.0 / shortest - 1.0),
-            texels_per_sample: LEVEL_MARGIN * most((0..3).map(at_samples)),
+            texels_per_sample: LEVEL_MARGIN * most(w) / texel_px / SAMPLES_ACROSS,
             most_texels: 1.0 / singular(axes[0], axes[1])[0],
             w_rate: w_row.length(),
             outline_distance_px: 0.0,

@@ -146,7 +146,7 @@ impl<'a> Seen<'a> {
         let (view, base) = (self.view, &self.view.patch.base);
         let height = low.abs().max(high.abs());
         let way = height * view.tangent;
-        let turned = view.mitre + (base.direction_rate * way).min(2.0);
+        let turned = view.mitre + (base.direction_rate * way).min(2.0 * view.longest_direction);
         let leaves = base.bend_rate * way;
         let rise = if turned > 0.0 { view.rise_of_normal + view.rho * turned } else { view.rise };
         let w = view.least_w * (1.0 - high.max(0.0) / view.eye_height)

@@ -11,7 +11,7 @@
 //!   2 τ pixels apart or less, seen from the side, so ρ <= 3/2 wherever τ is less than a tenth of the distance to the image
 //!   counted in pixels, and near 1 wherever τ is a few pixels.
 //!
-//! With Δα = 1 / [`MORPH_FRAMES`] = 1/4 the surface jumps by τ/2, and never by more than τ.
+//! With Δα = 1 / [`MORPH_FRAMES`] = 1/4 the surface jumps by ρ τ/2 at most, which is less than τ.
 
 use std::ops::Range;
 

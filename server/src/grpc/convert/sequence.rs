@@ -1,12 +1,12 @@
 //! Sequences: what is asked, and what is told of them.
 
-use displace_proto::v1::{self, geometry::Refinement, tolerance::Allowed};
+use displace_proto::v1::{self, geometry::Refinement};
 
 use super::{known, request::render, view, view::View};
 use crate::{
     config::Config,
     domain::{
-        Error, Result, request,
+        Error, Result,
         request::CameraChoice,
         sequence::{CameraAnimation, FRAMES, Frame, Pace, SequenceReport, SequenceRequest, SequenceTessellation},
     },
@@ -20,12 +20,8 @@ pub(crate) fn sequence(mut message: v1::RenderRequest, config: &Config) -> Resul
     refuse_in_frames(&message)?;
     let views = views(&message.views, config.max_image_pixels)?;
     message.views.truncate(1);
-    let own_tolerance = stand_in(&mut message);
-    let mut render = render("", message, config)?;
-    if own_tolerance {
-        leave_to_frames(&mut render.surface.geometry.refinement);
-    }
-    let tessellation = tessellation(&sequence, own_tolerance)?;
+    let render = render("", message, config)?;
+    let tessellation = tessellation(&sequence, render.own_camera_px().is_some())?;
     let cameras = views.into_iter().map(|view| view.camera).collect();
     let animation = sequence.animation.as_ref().map(animation).transpose()?;
     let request = SequenceRequest { render, cameras, animation, tessellation };
@@ -80,6 +76,10 @@ fn refuse_in_frames(message: &v1::RenderRequest) -> Result<()> {
     if message.preimage.is_some() {
         return Err(Error::unsupported("preimage", "is of one image, and a sequence has several: leave it out"));
     }
+    if message.surface.as_ref().is_some_and(|surface| surface.method == i32::from(v1::Method::Auto)) {
+        let message = "is auto, which chooses for one image, and a sequence has several: name a method";
+        return Err(Error::unsupported("surface.method", message));
+    }
     let geometry = message.surface.as_ref().and_then(|surface| surface.geometry.as_ref());
     if matches!(geometry.and_then(|geometry| geometry.refinement.as_ref()), Some(Refinement::Exact(_))) {
         let message = "is of one image, and a sequence has several: give a tolerance or uniform_level";
@@ -104,30 +104,6 @@ fn views(views: &[v1::View], max_pixels: u32) -> Result<Vec<View>> {
         return Err(Error::invalid(format!("views[{n}].width"), message));
     }
     Ok(views)
-}
-
-/// A tolerance in pixels without views is that of the frames. Until they are known one view stands in for them, so that
-/// everything else of it is checked as ever.
-fn stand_in(message: &mut v1::RenderRequest) -> bool {
-    let geometry = message.surface.as_mut().and_then(|surface| surface.geometry.as_mut());
-    let Some(Refinement::Tolerance(tolerance)) = geometry.and_then(|geometry| geometry.refinement.as_mut()) else {
-        return false;
-    };
-    let Some(Allowed::Pixels(pixels)) = &mut tolerance.allowed else { return false };
-    if !pixels.views.is_empty() {
-        return false;
-    }
-    let (eye, target) = (vec![0.0, 0.0, 1.0], vec![0.0; 3]);
-    pixels.views.push(v1::ToleranceView { eye, target, yfov_degrees: None, width: 1, height: 1 });
-    true
-}
-
-fn leave_to_frames(refinement: &mut request::Refinement) {
-    if let request::Refinement::Tolerance(tolerance) = refinement
-        && let request::Allowed::Pixels { views, .. } = &mut tolerance.allowed
-    {
-        views.clear();
-    }
 }
 
 fn tessellation(sequence: &v1::Sequence, own_tolerance: bool) -> Result<SequenceTessellation> {

@@ -36,11 +36,11 @@ impl Residuals {
         let mut blocks: Vec<Block> = places(size).map(|at| Block::over(map, at)).collect();
         let mut of_blocks = size;
         let mut levels = vec![(size, grid(size, &blocks))];
-        // What repeats after no whole number of blocks has none so large.
-        let is_whole = |blocks: usize| (0..2).all(|k| !map.repeats[k] || size[k] % blocks == 0);
-        while of_blocks.iter().any(|n| *n > 2) && is_whole(1 << levels.len()) {
-            let below = Row { size: of_blocks, blocks: &blocks, repeats: map.repeats };
-            let half = 2f64.powi(levels.len() as i32 - 1);
+        while of_blocks.iter().any(|n| *n > 2) {
+            let level = levels.len() - 1;
+            let repeats = [0, 1].map(|k| map.repeats[k] && is_whole(size[k], level));
+            let below = Row { size: of_blocks, blocks: &blocks, repeats };
+            let half = 2f64.powi(level as i32);
             let next = of_blocks.map(|n| n.div_ceil(2));
             let above = places(next).map(|at| Block::around(&below, at, half)).collect();
             (of_blocks, blocks) = (next, above);
@@ -61,20 +61,16 @@ impl Residuals {
         let level = ((0.5 * side).max(1.0).log2().round() as usize).min(self.levels.len() - 1);
         let (size, grid) = &self.levels[level];
         let width = 2f64.powi(level as i32);
-        let at = (place / width - 0.5).floor().as_ivec2();
+        let on_map = |k: usize| if facts.repeats[k] { place[k].rem_euclid(facts.size()[k]) } else { place[k] };
+        let at = (DVec2::new(on_map(0), on_map(1)) / width - 0.5).floor().as_ivec2();
         let shrink = (side / (2.0 * width)).min(1.0);
         0.5 * over(grid, *size, facts.repeats, at, at) * shrink * shrink
     }
 
     fn of_blocks(&self, facts: &HeightFacts, window: &Window, side: f64) -> f64 {
-        // Blocks of what is clamped end with it.
-        let leaves =
-            (0..2).any(|k| !facts.repeats[k] && (window.low[k] < 0.0 || window.high[k] > facts.size()[k] - 1.0));
-        if leaves {
-            return f64::INFINITY;
-        }
         let level = side.max(1.0).log2().ceil() as usize;
         let Some((size, grid)) = self.levels.get(level) else { return f64::INFINITY };
+        let Some(window) = inside_of_blocks(facts, window, level) else { return f64::INFINITY };
         let width = 2f64.powi(level as i32);
         let [first, last] = [window.low, (window.high - side).max(window.low)].map(|p| (p / width).floor().as_ivec2());
         over(grid, *size, facts.repeats, first, last)
@@ -100,6 +96,25 @@ impl Residuals {
         let of = |k: usize| if shares[k] > 0.0 { most(&self.seconds[k], windows[k]) * shares[k] } else { 0.0 };
         (0..3).map(of).sum()
     }
+}
+
+/// Whether blocks of a level end with the map.
+fn is_whole(texels: usize, level: usize) -> bool {
+    texels % (1 << level) == 0
+}
+
+/// Blocks of what is clamped end with it, and so they do where no whole number of them repeats.
+fn inside_of_blocks(facts: &HeightFacts, window: &Window, level: usize) -> Option<Window> {
+    let mut window = *window;
+    for k in (0..2).filter(|k| !facts.repeats[*k] || !is_whole(facts.size[*k], level)) {
+        let size = facts.size()[k];
+        let turns = if facts.repeats[k] { (window.low[k] / size).floor() * size } else { 0.0 };
+        (window.low[k], window.high[k]) = (window.low[k] - turns, window.high[k] - turns);
+        if window.low[k] < 0.0 || window.high[k] > size - 1.0 {
+            return None;
+        }
+    }
+    Some(window)
 }
 
 fn grid(size: [usize; 2], blocks: &[Block]) -> Greatest {

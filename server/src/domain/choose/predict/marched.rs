@@ -57,7 +57,8 @@ impl Steps {
 pub(super) fn stepped_px(patch: &Seen<'_>, steps: &Steps, last: Last) -> f64 {
     let [low, high] = patch.struck;
     let heights = [low - steps.fall, high];
-    let window = patch.over(heights);
+    // The step that leads below begins above.
+    let window = patch.over([low - steps.fall, high + steps.fall]);
     let read = patch.facts.read_by(&window, patch.level);
     let whole = steps.fall + patch.facts.change(&read, steps.travel);
     let gap = match last {

@@ -68,7 +68,7 @@ fn what_moves_nothing_that_is_seen_is_told_or_refused() {
 #[test]
 fn what_moves_a_mesh_is_refused_by_its_name() {
     let scene = moving(|document| {
-        document["meshes"] = json!([{ "primitives": [] }]);
+        document["meshes"] = json!([{ "primitives": [{ "mode": 0, "attributes": { "POSITION": 2 } }] }]);
         document["nodes"][2]["mesh"] = 0.into();
     });
     let error = camera_way(&scene, 0, "rise").unwrap_err();
