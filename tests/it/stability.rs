@@ -203,7 +203,7 @@ fn normals_go_by_the_inverse_transpose() {
         let off = suite.value("stretched", naive, scale);
         assert!(off > 0.2 * most && off < most + 0.1, "{scale}: {off} of {most}");
         let right = suite.value("stretched", "displacement", scale);
-        assert!(right < 0.25 * off, "{scale}: {right}, and {off} by the matrix");
+        assert!(right < 0.01, "{scale}: {right}, and {off} by the matrix");
     }
 }
 

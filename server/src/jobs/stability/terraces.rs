@@ -57,7 +57,9 @@ const AMPLITUDES: [f64; 8] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 const TEXELS: u32 = 256;
 /// Of the whole range.
 const RISE: f64 = 1.0 / 16.0;
-const FORMATS: [(&str, fn(f64) -> f64); 4] =
+/// From 0 to 1, to the nearest value that a format has.
+type Rounded = fn(f64) -> f64;
+const FORMATS: [(&str, Rounded); 4] =
     [("8 bits", |v| levels(v, 255.0)), ("16 bits", |v| levels(v, 65535.0)), ("half float", half), ("float", |v| v)];
 
 /// So many texels along the ramp, in the upper half of the range.
@@ -90,7 +92,7 @@ fn swept(lab: &Lab<'_>, off: fn(DVec3, DVec3, f64) -> f64) -> Result<Vec<Curve>>
     let long = f64::from(TEXELS);
     let strip = Sheet::grid([64, 1], |u, v| ([long * u, 0.0, 4.0 - 4.0 * v], [0.0, 1.0, 0.0], [u, 1.0 - v]));
     let mesh = strip.welded("strip")?;
-    let of_format = |(name, rounded): (&str, fn(f64) -> f64)| {
+    let of_format = |(name, rounded): (&str, Rounded)| {
         let map = ramp(rounded);
         let one = |amplitude: f64| {
             let detail = meshes::heights(&map, amplitude as f32);
@@ -101,7 +103,7 @@ fn swept(lab: &Lab<'_>, off: fn(DVec3, DVec3, f64) -> f64) -> Result<Vec<Curve>>
     FORMATS.into_iter().map(of_format).collect()
 }
 
-fn ramp(rounded: fn(f64) -> f64) -> Arc<Map> {
+fn ramp(rounded: Rounded) -> Arc<Map> {
     meshes::height_map([TEXELS, 4], Wrap::Clamp, |x, _| rounded(value(f64::from(x) + 0.5)) as f32)
 }
 

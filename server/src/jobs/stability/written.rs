@@ -12,7 +12,7 @@ pub(super) fn csv(stability: &Stability) -> String {
     for scenario in &stability.scenarios {
         let metric = format!("{} ({})", scenario.metric, scenario.metric_unit);
         for curve in &scenario.curves {
-            let breakdown = curve.breakdown.map_or_else(String::new, |at| digits(at));
+            let breakdown = curve.breakdown.map_or_else(String::new, digits);
             for [parameter, value] in &curve.values {
                 let _ = writeln!(
                     text,
