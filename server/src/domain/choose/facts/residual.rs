@@ -100,7 +100,7 @@ impl Residuals {
 
 /// Whether blocks of a level end with the map.
 fn is_whole(texels: usize, level: usize) -> bool {
-    texels % (1 << level) == 0
+    texels.is_multiple_of(1 << level)
 }
 
 /// Blocks of what is clamped end with it, and so they do where no whole number of them repeats.

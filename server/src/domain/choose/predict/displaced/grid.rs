@@ -41,7 +41,8 @@ impl<'a> Grid<'a> {
         let [x, y, sum] = self.spans();
         let count = (x[1] - x[0] + 1.0) * (y[1] - y[0] + 1.0);
         let texels = self.window(DVec2::ZERO, 1.0).size() + 2.0;
-        if !(count * texels.element_product() <= MOST) {
+        let looked_at = count * texels.element_product();
+        if looked_at.is_nan() || looked_at > MOST {
             return f64::INFINITY;
         }
         let squares = steps(y).flat_map(|j| steps(x).map(move |i| DVec2::new(i, j)));
