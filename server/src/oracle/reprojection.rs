@@ -180,8 +180,7 @@ fn barycentrics([a, b, c]: &[DVec2; 3], uv: DVec2) -> Option<DVec3> {
     let area = ab.perp_dot(ac);
     let (y, z) = (at.perp_dot(ac) / area, ab.perp_dot(at) / area);
     let weights = DVec3::new(1.0 - y - z, y, z);
-    // Also where it is no number.
-    if !(weights.min_element() >= -SLACK) {
+    if weights.is_nan() || weights.min_element() < -SLACK {
         return None;
     }
     let inside = weights.max(DVec3::ZERO);

@@ -13,7 +13,7 @@
 //!
 //! With Δα = 1 / [`MORPH_FRAMES`] = 1/4 the surface jumps by ρ τ/2 at most, which is less than τ.
 
-use std::ops::Range;
+use std::{iter, ops::Range};
 
 use glam::{DVec3, DVec4};
 
@@ -48,7 +48,9 @@ impl Timeline {
     pub fn new(tessellation: SequenceTessellation, eyes: &[Eye], corners: &[DVec3]) -> Self {
         let frames = eyes.len();
         match tessellation {
-            SequenceTessellation::Frozen => Self { made_for: vec![0..frames], shown: vec![whole(0); frames] },
+            SequenceTessellation::Frozen => {
+                Self { made_for: iter::once(0..frames).collect(), shown: vec![whole(0); frames] }
+            }
             SequenceTessellation::PerFrame => {
                 Self { made_for: (0..frames).map(|k| k..k + 1).collect(), shown: (0..frames).map(whole).collect() }
             }
@@ -141,7 +143,7 @@ mod tests {
     #[test]
     fn who_stands_still_keeps_one_tessellation() {
         let timeline = hysteresis(&eyes([3.0; 50]));
-        assert_eq!((timeline.made_for.as_slice(), timeline.shown.len()), (&[0..50][..], 50));
+        assert_eq!((timeline.made_for.as_slice(), timeline.shown.len()), (std::slice::from_ref(&(0..50)), 50));
         assert!(timeline.shown.iter().all(|shown| *shown == whole(0)));
     }
 
@@ -186,7 +188,7 @@ mod tests {
     fn each_frame_may_have_its_own_and_all_may_have_one() {
         let eyes = eyes([1.0, 2.0, 4.0]);
         let frozen = Timeline::new(SequenceTessellation::Frozen, &eyes, &[DVec3::ZERO]);
-        assert_eq!((frozen.made_for, frozen.shown), (vec![0..3], vec![whole(0); 3]));
+        assert_eq!((frozen.made_for, frozen.shown), (iter::once(0..3).collect(), vec![whole(0); 3]));
         let anew = Timeline::new(SequenceTessellation::PerFrame, &eyes, &[DVec3::ZERO]);
         assert_eq!((anew.made_for, anew.shown), (vec![0..1, 1..2, 2..3], vec![whole(0), whole(1), whole(2)]));
     }
