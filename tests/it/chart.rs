@@ -118,14 +118,14 @@ fn the_table_has_a_row_for_each_point_and_metric_and_agrees_with_the_report() {
             assert!(is_same(row["ms"], &point["ms"]), "{row:?}: {}", point["ms"]);
             let on_front = point["fronts"].as_array().unwrap().iter().any(|front| front == metric);
             assert_eq!(row["pareto"], on_front.to_string());
-            assert_eq!(
-                (row["predicted"], row["chosen"], row["ms_spread"]),
-                ("", "", ""),
-                "run once, and not predicted"
-            );
+            assert_eq!(row["ms_spread"], "", "run once");
+            let predicted = if metric == "hit_px" { &point["predicted_px"] } else { &Value::Null };
+            assert!(is_same(row["predicted"], predicted), "{row:?}: {predicted}");
+            assert_eq!(row["chosen"], (point["chosen"] == true).to_string());
         }
     }
     assert!(rows.iter().any(|row| row["pareto"] == "true"));
+    assert_eq!(rows.iter().filter(|row| row["chosen"] == "true").count(), 3, "one setting, by three errors");
     let json: Value = serde_json::from_str(&rock.text("chart.json")).expect("JSON");
     assert_eq!(json["points"].as_array().map(Vec::len), Some(rock.points().len()));
     assert_eq!((&json["width"], &json["truth_samples"]), (&64.into(), &16.into()));
