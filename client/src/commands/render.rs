@@ -132,7 +132,8 @@ fn placed(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
 fn frames(outputs: Vec<Output>, path: &Path) -> Result<Vec<(Output, Target)>> {
     let mut all = Vec::with_capacity(outputs.len());
     for mut output in outputs {
-        let Some((number, name)) = output.name.split_once('.').filter(|(n, _)| n.bytes().all(|b| b.is_ascii_digit()))
+        let Some((number, name)) =
+            output.name.split_once('.').filter(|(n, _)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
         else {
             return Err(Error::internal(format!("the server named a frame '{}', without its number", output.name)));
         };
