@@ -193,8 +193,16 @@ impl HeightFacts {
     /// What a level's heights inside are means of.
     #[must_use]
     pub fn read_by(&self, window: &Window, level: usize) -> Window {
-        let reach = if level == 0 { 0.0 } else { 1.5 * 2f64.powi(level as i32) };
-        window.grown(DVec2::splat(reach))
+        if level == 0 {
+            return *window;
+        }
+        // Beyond the border of what is clamped the last texels of a level go on, which are means of what lies inside.
+        let mut reached = *window;
+        for axis in (0..2).filter(|axis| !self.repeats[*axis]) {
+            reached.low[axis] = reached.low[axis].min(self.size[axis] as f64 - 1.0);
+            reached.high[axis] = reached.high[axis].max(0.0);
+        }
+        reached.grown(DVec2::splat(1.5 * 2f64.powi(level as i32)))
     }
 
     /// About the mean height inside.
