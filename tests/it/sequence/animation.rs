@@ -8,12 +8,12 @@ use displace_tests::{
 };
 use serde_json::{Value, json};
 
-/// A wall with a camera in front of it that goes aside, `fly`, and an animation that moves the wall, `fall`.
+/// A wall with a camera in front of it that comes to a third as far, `fly`, and an animation that moves the wall, `fall`.
 fn wall() -> Vec<u8> {
     let plain = meshes::plane(2).to_glb();
     let length = u32::from_le_bytes(plain[12..16].try_into().expect("four bytes")) as usize;
     let mut document: Value = serde_json::from_slice(&plain[20..20 + length]).expect("a document");
-    let keys: Vec<u8> = [0f32, 2.0, 0.0, 3.0, 0.0, 1.0, 3.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let keys: Vec<u8> = [0f32, 2.0, 0.0, 3.0, 0.0, 0.2, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
     let uri = format!("data:;base64,{}", base64::engine::general_purpose::STANDARD.encode(keys));
     let push = |document: &mut Value, list: &str, value: Value| {
         let list = document[list].as_array_mut().expect("a list");
@@ -67,12 +67,12 @@ fn a_camera_of_the_file_goes_its_way() {
 #[test]
 fn the_tolerance_is_kept_along_the_way() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let surface = ["--expr", "0.1*sin(9*u)", "--tolerance-px", "0.5", "--tessellation", "hysteresis"];
+    let surface = ["--expr", "0.1*sin(30*u)*sin(30*v)", "--tolerance-px", "0.5", "--tessellation", "hysteresis"];
     let flags = [&surface[..], &["--animation", "fly", "--frames", "24"]].concat();
     let report = render(&folder, "out.png", &flags).expect_success().json();
     assert!(report["tessellations"].as_u64() > Some(1), "a third as far in the end: {report}");
     let pop = report["worst_pop_px"].as_f64().expect("a figure");
-    assert!(pop > 0.0 && pop <= 0.25, "{pop}");
+    assert!(pop > 0.0 && pop <= 0.5, "{pop}");
 }
 
 #[test]
