@@ -24,7 +24,7 @@ fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (mesh, height) = (sample("models/TwoSidedPlane/TwoSidedPlane.gltf"), sample("maps/rock_height.png"));
     let words = ["chart", text(&mesh), "--height", text(&height), "--scale", "0.1", "--stability", "--json", "--fresh"];
-    let run = Displace::default().run(&[&words[..], &["-o", text(folder.path())]].concat());
+    let run = Displace::default().run([&words[..], &["-o", text(folder.path())]].concat());
     let told = run.expect_success().json();
     let charts = repository().join("tests/charts/stability");
     fs::create_dir_all(&charts).expect("the folder can be made");

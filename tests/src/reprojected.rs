@@ -137,6 +137,7 @@ pub fn outline_px(truth: &Layers, image: &Layers) -> (u64, u64) {
     let covered = |layers: &Layers, i: usize| layers.alpha[i] >= 0.5;
     let apart = (0..truth.alpha.len()).filter(|i| covered(truth, *i) != covered(image, *i)).count();
     let is_edge = |i: usize, j: usize| j < truth.alpha.len() && covered(truth, i) != covered(truth, j);
-    let edges = |i: usize| u64::from((i + 1) % width > 0 && is_edge(i, i + 1)) + u64::from(is_edge(i, i + width));
+    let edges =
+        |i: usize| u64::from(!(i + 1).is_multiple_of(width) && is_edge(i, i + 1)) + u64::from(is_edge(i, i + width));
     (apart as u64, (0..truth.alpha.len()).map(edges).sum())
 }

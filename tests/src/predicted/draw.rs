@@ -160,7 +160,7 @@ fn view(rows: &[[f32; 4]]) -> View {
     let along = |[a, b, c]: [DVec4; 3]| {
         let minor = |k: usize| {
             let pick = |v: DVec4| DVec3::from_array([1, 2, 3].map(|j| v[(k + j) % 4]));
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             sign * pick(a).dot(pick(b).cross(pick(c)))
         };
         DVec4::new(minor(0), minor(1), minor(2), minor(3))
