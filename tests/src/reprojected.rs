@@ -15,7 +15,7 @@ use displace_server::{
     },
     oracle::{
         metrics::picture,
-        reprojection::{Reprojected, reprojected},
+        reprojection::{Reprojected, p99_px, reprojected},
         surface::{SeamChoice, Surface},
     },
 };
@@ -79,9 +79,7 @@ impl Displaced {
     /// Pixels that 99 of 100 do not exceed; none where nothing is shown.
     #[must_use]
     pub fn p99_px(&self, images: &ImageSet) -> Option<f64> {
-        let mut errors: Vec<f64> = self.errors(images).iter().map(|pixel| pixel.error_px).collect();
-        errors.sort_by(f64::total_cmp);
-        errors.get(errors.len().saturating_sub(1) * 99 / 100).copied()
+        p99_px(&self.errors(images))
     }
 }
 

@@ -44,6 +44,14 @@ pub fn reprojected(scene: &Scene, surfaces: &[Surface<'_>], images: &ImageSet, m
     covered.par_iter().step_by(step).filter_map(of_pixel).collect()
 }
 
+/// What 99 of 100 of these pixels do not exceed; none of none.
+#[must_use]
+pub fn p99_px<'p>(pixels: impl IntoIterator<Item = &'p Reprojected>) -> Option<f64> {
+    let mut errors: Vec<f64> = pixels.into_iter().map(|pixel| pixel.error_px).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len().saturating_sub(1) * 99 / 100).copied()
+}
+
 /// What a pixel tells.
 #[derive(Clone, Copy)]
 struct Shown {

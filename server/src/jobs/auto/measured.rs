@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::{
     domain::{detail::Detail, image::ImageSet, request::Geometry, scene::Scene},
     oracle::{
-        reprojection::{Reprojected, reprojected},
+        reprojection::{self, reprojected},
         surface::{SeamChoice, Surface},
     },
 };
@@ -25,11 +25,5 @@ pub(super) fn p99_px(
     let pairs = scene.meshes.iter().zip(details);
     let surfaces: Vec<Surface<'_>> = pairs.map(|(m, details)| Surface::new(&m.mesh, details, choice)).collect();
     let pixels = reprojected(scene, &surfaces, images, MOST);
-    materials.iter().map(|material| p99(&pixels, *material)).collect()
-}
-
-fn p99(pixels: &[Reprojected], material: Option<usize>) -> Option<f64> {
-    let mut errors: Vec<f64> = pixels.iter().filter(|p| p.material == material).map(|p| p.error_px).collect();
-    errors.sort_by(f64::total_cmp);
-    errors.get(errors.len().saturating_sub(1) * 99 / 100).copied()
+    materials.iter().map(|material| reprojection::p99_px(pixels.iter().filter(|p| p.material == *material))).collect()
 }

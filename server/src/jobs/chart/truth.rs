@@ -23,7 +23,7 @@ use crate::{
         self,
         image::{Exposure, OracleScene},
         metrics::picture::Picture,
-        reprojection::reprojected,
+        reprojection::{p99_px, reprojected},
         surface::{SeamChoice, Surface},
     },
 };
@@ -104,9 +104,7 @@ impl Truth<'_> {
     /// What 99 of 100 covered pixels of an image with texture coordinates are off by (`oracle::reprojection`).
     pub(super) fn reprojected_px(&self, images: &ImageSet) -> Option<f64> {
         let pixels = reprojected(&self.ground.inputs.scene, &self.surfaces, images, usize::MAX);
-        let mut errors: Vec<f64> = pixels.iter().map(|pixel| pixel.error_px).collect();
-        errors.sort_by(f64::total_cmp);
-        errors.get(errors.len().saturating_sub(1) * 99 / 100).copied().filter(|error_px| error_px.is_finite())
+        p99_px(&pixels).filter(|error_px| error_px.is_finite())
     }
 
     /// What it shows on the rays on which another image took its places, which need not be those of the centres of pixels.
