@@ -66,7 +66,7 @@ fn what_is_chosen_is_off_by_no_more_than_predicted_nor_that_by_more_than_allowed
         let flags = format!("--tolerance-px {tolerance_px} --aov depth,position,uv");
         let report = bench.report(&flags, eye, "out.exr");
         let choice = &report["choices"][0];
-        let error_px = surface.p99_px(&layers(&bench.path("out.exr")).images).expect("something is seen");
+        let error_px = surface.p99_px(&layers(&bench.path("out.exr"))).expect("something is seen");
         assert!(px(choice, "predicted") <= tolerance_px && px(choice, "predicted_outline") <= tolerance_px, "{choice}");
         assert!(error_px <= px(choice, "predicted"), "{eye}: measured {error_px}, {choice}");
         assert_eq!(px(choice, "tolerance_px"), tolerance_px);

@@ -27,13 +27,6 @@ pub struct Displaced {
     details: Vec<Vec<Option<Arc<Detail>>>>,
 }
 
-/// An image's further outputs.
-pub struct Layers {
-    pub images: ImageSet,
-    /// Share of each pixel that is covered.
-    pub alpha: Vec<f32>,
-}
-
 impl Displaced {
     /// # Panics
     /// When a file cannot be read.
@@ -100,7 +93,7 @@ fn layer(asset: Digest, scale: f32) -> LayerRequest {
 /// # Panics
 /// When it is none.
 #[must_use]
-pub fn layers(path: &Path) -> Layers {
+pub fn layers(path: &Path) -> ImageSet {
     let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let limits = picture::Limits { max_side: 16384, max_bytes: 1 << 32 };
     let clip_from_world = picture::read("image", &bytes, limits).expect("an EXR").clip_from_world;
@@ -116,7 +109,7 @@ pub fn layers(path: &Path) -> Layers {
         Some(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| [x, y, z]).collect())
     };
     let uv = channel("uv.U").zip(channel("uv.V")).map(|(u, v)| u.into_iter().zip(v).map(|(u, v)| [u, v]).collect());
-    let images = ImageSet {
+    ImageSet {
         width: size.x() as u32,
         height: size.y() as u32,
         depth: channel("Z"),
@@ -124,18 +117,23 @@ pub fn layers(path: &Path) -> Layers {
         uv,
         clip_from_world,
         ..ImageSet::default()
-    };
-    Layers { images, alpha: channel("A").unwrap_or_default() }
+    }
 }
 
-/// Pixels of which one image has half or more covered and the other has not, and the length of the first's outline.
+/// Pixels that one of two images shows something in and the other nothing, and the length of the first's outline. Both have
+/// as many samples a pixel, any of which shows something.
+///
+/// # Panics
+/// Without depth.
 #[must_use]
-pub fn outline_px(truth: &Layers, image: &Layers) -> (u64, u64) {
-    let width = truth.images.width as usize;
-    let covered = |layers: &Layers, i: usize| layers.alpha[i] >= 0.5;
-    let apart = (0..truth.alpha.len()).filter(|i| covered(truth, *i) != covered(image, *i)).count();
-    let is_edge = |i: usize, j: usize| j < truth.alpha.len() && covered(truth, i) != covered(truth, j);
+pub fn outline_px(truth: &ImageSet, image: &ImageSet) -> (u64, u64) {
+    let covered = |images: &ImageSet| -> Vec<bool> {
+        images.depth.as_ref().expect("depth").iter().map(|depth| depth.is_finite()).collect()
+    };
+    let (truth_covers, image_covers, width) = (covered(truth), covered(image), truth.width as usize);
+    let apart = truth_covers.iter().zip(&image_covers).filter(|(a, b)| a != b).count();
+    let is_edge = |i: usize, j: usize| j < truth_covers.len() && truth_covers[i] != truth_covers[j];
     let edges =
         |i: usize| u64::from(!(i + 1).is_multiple_of(width) && is_edge(i, i + 1)) + u64::from(is_edge(i, i + width));
-    (apart as u64, (0..truth.alpha.len()).map(edges).sum())
+    (apart as u64, (0..truth_covers.len()).map(edges).sum())
 }

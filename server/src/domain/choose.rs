@@ -12,6 +12,7 @@
 pub mod cost;
 pub mod facts;
 mod greatest;
+pub mod kept;
 mod lay;
 pub mod patch;
 pub mod patches;

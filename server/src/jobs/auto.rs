@@ -34,7 +34,7 @@ use crate::{
     render::JobContext,
 };
 
-pub(super) use candidates::{MOST_TEXELS, Seen, Weighing, weigh};
+pub(super) use candidates::{MOST_TEXELS, Seen, Weighing, grounds, weigh};
 pub(super) use realised::displace_all;
 
 /// An image whose method, triangles and camera are known.
@@ -70,16 +70,18 @@ impl Settled {
     }
 
     /// Notes what the image is off by. Whether all of it is as near as it was predicted to be.
-    pub(super) fn measure(&mut self, images: &ImageSet) -> bool {
+    pub(super) fn measure(&mut self, desk: Desk<'_>, images: &ImageSet) -> Result<bool> {
         if self.measured_aovs().is_empty() {
-            return true;
+            return Ok(true);
         }
         let scene = (&self.inputs.scene, self.details.as_slice());
-        let errors = measured::p99_px(scene, &self.request.surface.geometry, images, &self.materials);
+        let geometry = &self.request.surface.geometry;
+        let measure = || Ok(measured::p99_px(scene, geometry, images, &self.materials));
+        let errors = inputs::timed(desk.job.progress, "measure", &mut self.passes, measure)?;
         for (choice, error_px) in self.choices.iter_mut().zip(errors) {
             choice.measured_px = error_px;
         }
-        self.choices.iter().all(|choice| choice.is_kept())
+        Ok(self.choices.iter().all(|choice| choice.is_kept()))
     }
 }
 
@@ -110,9 +112,11 @@ pub(super) fn settle(desk: Desk<'_>, request: &RenderRequest) -> Result<Settled>
     let mut settled = Settled::new(request, inputs, Some(camera));
     if settled.request.surface.method == Method::Auto {
         let mut passes = Vec::new();
+        let asked = settled.request.clone();
+        let of_heights = || grounds(desk, &settled.inputs, &asked);
+        let grounds = inputs::timed(desk.job.progress, "height_facts", &mut passes, of_heights)?;
         inputs::timed(desk.job.progress, "choose", &mut passes, || {
-            let asked = settled.request.clone();
-            let weighed = weigh(desk, &settled.inputs, &asked, &camera, tolerance_px)?;
+            let weighed = weigh(desk, &settled.inputs, &grounds, (&asked, &camera), tolerance_px)?;
             realised::realise(desk, &mut settled, &weighed, &within)
         })?;
         settled.passes = passes;

@@ -12,6 +12,7 @@ use super::{
 use crate::domain::{
     Result,
     chart::Setting,
+    choose::kept,
     detail::Detail,
     image::{RenderCamera, Silhouettes},
     maps,
@@ -45,8 +46,8 @@ pub(super) fn warnings(
             continue;
         }
         context.cancel.check()?;
-        let seen = Seen::new(&inputs.scene, material, &relief, camera, &unlit);
-        let [error_px, outline_px] = seen.predicted(request.surface.method, setting);
+        let seen = Seen::new(&inputs.scene, material, (&relief, kept::facts_of(&relief.map)), camera, &unlit);
+        let [error_px, outline_px] = seen.predicted(&[(request.surface.method, setting)])[0];
         // Of a quadric's outline nothing is known.
         let outline_px = if request.look.relief.silhouettes == Silhouettes::Quadric { 0.0 } else { outline_px };
         if error_px.max(outline_px) > LIMIT_PX {
@@ -97,7 +98,7 @@ fn reliefs(
 fn better(seen: &Seen<'_>) -> String {
     let exact = [(Setting::None, "--method exact"), (Setting::Shell, "--method exact --silhouettes shell")];
     let kept = exact.into_iter().find_map(|(setting, words)| {
-        let [error_px, outline_px] = seen.predicted(Method::Exact, setting);
+        let [error_px, outline_px] = seen.predicted(&[(Method::Exact, setting)])[0];
         let worst_px = error_px.max(outline_px);
         (worst_px <= LIMIT_PX).then(|| format!("{words} would be within {worst_px:.2} px, "))
     });

@@ -63,7 +63,7 @@ impl Work for RenderWork {
         let desk = Desk { assets, limits, job: &job, model, traces_rays };
         let mut settled = auto::settle(desk, request)?;
         let (mut report, mut taken) = taken(context, &mut settled)?;
-        if !settled.measure(&taken.images) {
+        if !settled.measure(desk, &taken.images)? {
             settled = auto::displace_all(desk, request, &settled, MISSED)?;
             (report, taken) = self::taken(context, &mut settled)?;
         }

@@ -12,7 +12,7 @@ use std::{fmt::Write as _, path::PathBuf};
 use displace_tests::corpus::corpus;
 use trials::{Case, Trials};
 
-const COLUMNS: &str = "scene,view,tolerance_px,method,setting,predicted_px,measured_px,outline_px,within,cost,front_cost,front,displaced_cost,triangles,displaced_triangles,ms,displaced_ms";
+const COLUMNS: &str = "scene,view,tolerance_px,method,setting,predicted_px,measured_px,outline_px,within,cost,front_cost,front,enough_cost,enough,displaced_cost,predicted_triangles,triangles,displaced_triangles,ms,displaced_ms";
 
 fn main() {
     let mut words: Vec<String> = std::env::args().skip(1).collect();

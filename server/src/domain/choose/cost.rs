@@ -78,6 +78,8 @@ impl Way {
 const TRIANGLES_OF_A_LEAF: f64 = 0.8;
 /// Texels of the least leaf: less is a facet of a cell.
 const LEAST_LEAF: f64 = 0.5;
+/// Texels of a leaf within which heights bend evenly, so that what is left of them falls with its area.
+const EVEN_LEAF: f64 = 2.0;
 
 /// What displacing within a tolerance takes on a patch: leaves of a quadtree over the map, each as near to a plane as
 /// allowed. A tolerance counts along any direction, so that depth alone decides. Patches of one triangle add, to one at least.
@@ -102,8 +104,12 @@ fn leaves(facts: &HeightFacts, window: &Window, allowed: f64) -> f64 {
     let size = window.size();
     let middle = 0.5 * (window.low + window.high);
     let side = size.max_element();
-    if side <= LEAST_LEAF || facts.about(middle, side) <= allowed {
+    let bent = facts.about(middle, side) / allowed;
+    if bent <= 1.0 {
         return 1.0;
+    }
+    if side <= EVEN_LEAF {
+        return bent.min((size / LEAST_LEAF).element_product()).max(1.0);
     }
     let halves = |axis: usize| {
         let mut parts = [*window; 2];

@@ -1,6 +1,7 @@
 //! What is known of a height map, over any box of it: heights, slopes, how far it is from affine, and what its coarser
 //! levels leave out.
 
+mod framed;
 mod levels;
 mod residual;
 
@@ -11,6 +12,7 @@ use glam::{DVec2, IVec2};
 
 use super::greatest::{Greatest, runs};
 use crate::domain::image::HeightMap;
+use framed::Framed;
 use levels::LevelErrors;
 use residual::Residuals;
 
@@ -81,12 +83,9 @@ impl HeightFacts {
     pub fn new(map: &HeightMap) -> Self {
         let finest = HeightLevel { size: [map.width, map.height], heights: map.heights.clone(), repeats: map.repeats };
         let size = finest.size.map(|n| n as usize);
-        let grid = |value: &dyn Fn(IVec2) -> f64| {
-            let at = |k: usize| IVec2::new((k % size[0]) as i32, (k / size[0]) as i32);
-            Greatest::new(size, (0..size[0] * size[1]).map(|k| above(value(at(k)))).collect())
-        };
-        let step = |at: IVec2, way: IVec2| (finest.texel(at + way) - finest.texel(at)).abs();
-        let levels = finest.clone().chain();
+        let framed = Framed::new(&finest);
+        let steps = |way: IVec2| Greatest::of(size, |at| (framed.texel(at + way) - framed.texel(at)).abs());
+        let levels = finest.chain();
         Self {
             size,
             repeats: map.repeats,
@@ -94,15 +93,15 @@ impl HeightFacts {
             thinnest_texels: f64::from(map.thinnest_texels),
             greatest: Greatest::new(size, map.heights.clone()),
             least: Greatest::new(size, map.heights.iter().map(|h| -h).collect()),
-            slopes: [grid(&|at| step(at, IVec2::X)), grid(&|at| step(at, IVec2::Y))],
-            residuals: Residuals::new(&finest),
+            slopes: [steps(IVec2::X), steps(IVec2::Y)],
+            residuals: Residuals::new(&framed, map.repeats),
             level_errors: LevelErrors::new(&levels),
             levels,
         }
     }
 
     #[must_use]
-    pub fn of(map: &Arc<HeightMap>) -> Arc<Self> {
+    pub fn of(map: &HeightMap) -> Arc<Self> {
         Arc::new(Self::new(map))
     }
 
@@ -118,7 +117,7 @@ impl HeightFacts {
         self.levels.len()
     }
 
-    /// Least and greatest height inside: exact where its sides are lattice lines.
+    /// Least and greatest height inside: of up to 32 texels exact where its sides are lattice lines.
     #[must_use]
     pub fn heights(&self, window: &Window) -> [f64; 2] {
         let [first, last] = window.texels();
@@ -223,14 +222,8 @@ impl HeightFacts {
 /// The greatest of an endless grid between two places, both included.
 fn over(grid: &Greatest, size: [usize; 2], repeats: [bool; 2], first: IVec2, last: IVec2) -> f64 {
     let [x, y] = [0, 1].map(|k| runs(first[k].into(), last[k].into(), size[k], repeats[k]));
-    let boxes = y.iter().flat_map(|y| x.iter().map(|x| grid.over(*x, *y)));
+    let boxes = y.clone().flat_map(|y| x.clone().map(move |x| grid.over(x, y)));
     boxes.fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// The nearest f32 that is not below.
-fn above(value: f64) -> f32 {
-    let near = value as f32;
-    if f64::from(near) < value { near.next_up() } else { near }
 }
 
 #[cfg(test)]

@@ -1,5 +1,11 @@
 //! The greatest value over any box of a grid, by a pyramid.
 
+use glam::IVec2;
+use rayon::prelude::*;
+
+/// A box that is longer is taken in blocks, so many across at least, and reaches as far as they do.
+const ACROSS_LOG2: usize = 5;
+
 /// Values of blocks of a grid, and the greatest of ever 2 x 2 of those below.
 #[derive(Clone, Debug)]
 pub(super) struct Greatest {
@@ -21,10 +27,36 @@ impl Greatest {
         Self { levels }
     }
 
-    /// Over columns and rows from the first to the last, both included and inside.
+    /// Of what is told for each column and row, rounded up.
+    pub(super) fn of(size: [usize; 2], value: impl Fn(IVec2) -> f64 + Sync) -> Self {
+        let row = |y: usize| (0..size[0]).map(|x| value(IVec2::new(x as i32, y as i32))).collect();
+        Self::of_rows(size, row)
+    }
+
+    /// Of the values of each row, rounded up.
+    pub(super) fn of_rows(size: [usize; 2], row: impl Fn(usize) -> Vec<f64> + Sync) -> Self {
+        let mut values = vec![0.0; size[0] * size[1]];
+        values.par_chunks_mut(size[0]).enumerate().for_each(|(y, told)| {
+            told.iter_mut().zip(row(y)).for_each(|(told, value)| *told = above(value));
+        });
+        Self::new(size, values)
+    }
+
+    /// Over columns and rows from the first to the last, both included and inside; of a box longer than 32 also over what is
+    /// nearer than a sixteenth of it.
     pub(super) fn over(&self, x: [usize; 2], y: [usize; 2]) -> f64 {
+        let longest = (x[1] - x[0]).max(y[1] - y[0]);
+        // The box meets at most 2 x 2 of blocks that are no shorter.
+        let level = ((usize::BITS - longest.leading_zeros()) as usize).min(self.levels.len() - 1);
+        let least = level.saturating_sub(ACROSS_LOG2);
+        let outwards = |[first, last]: [usize; 2]| [(first >> least) << least, (((last >> least) + 1) << least) - 1];
+        let (x, y) = (outwards(x), outwards(y));
         let mut best = f32::NEG_INFINITY;
-        self.visit(self.levels.len() - 1, [0, 0], (x, y), &mut best);
+        for row in y[0] >> level..=y[1] >> level {
+            for column in x[0] >> level..=x[1] >> level {
+                self.visit(level, [column, row], (x, y), &mut best);
+            }
+        }
         f64::from(best)
     }
 
@@ -55,21 +87,27 @@ fn fours(below: &[f32], [width, height]: [usize; 2]) -> Vec<f32> {
     let at = |x: usize, y: usize| below[y.min(height - 1) * width + x.min(width - 1)];
     let greatest = |x: usize, y: usize| at(x, y).max(at(x + 1, y)).max(at(x, y + 1).max(at(x + 1, y + 1)));
     let [columns, rows] = [width, height].map(|n| n.div_ceil(2));
-    (0..columns * rows).map(|k| greatest(2 * (k % columns), 2 * (k / columns))).collect()
+    (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).map(|[x, y]| greatest(2 * x, 2 * y)).collect()
+}
+
+/// The nearest f32 that is not below.
+fn above(value: f64) -> f32 {
+    let near = value as f32;
+    if f64::from(near) < value { near.next_up() } else { near }
 }
 
 /// Of an endless row of `count` values that repeat or end as their borders do, what of the first to the last there is,
 /// in at most two runs.
-pub(super) fn runs(first: i64, last: i64, count: usize, repeats: bool) -> Vec<[usize; 2]> {
+pub(super) fn runs(first: i64, last: i64, count: usize, repeats: bool) -> impl Iterator<Item = [usize; 2]> + Clone {
     let n = count as i64;
-    if !repeats {
-        return vec![[first, last].map(|i| i.clamp(0, n - 1) as usize)];
-    }
-    if last - first + 1 >= n {
-        return vec![[0, count - 1]];
-    }
     let [a, b] = [first, last].map(|i| i.rem_euclid(n) as usize);
-    if a <= b { vec![[a, b]] } else { vec![[a, count - 1], [0, b]] }
+    let (run, other) = match repeats {
+        false => ([first, last].map(|i| i.clamp(0, n - 1) as usize), None),
+        true if last - first + 1 >= n => ([0, count - 1], None),
+        true if a <= b => ([a, b], None),
+        true => ([a, count - 1], Some([0, b])),
+    };
+    std::iter::once(run).chain(other)
 }
 
 #[cfg(test)]
@@ -92,6 +130,7 @@ mod tests {
 
     #[test]
     fn rows_repeat_or_go_on_as_they_end() {
+        let runs = |first, last, count, repeats| runs(first, last, count, repeats).collect::<Vec<_>>();
         assert_eq!(runs(-2, 1, 5, true), [[3, 4], [0, 1]]);
         assert_eq!(runs(6, 8, 5, true), [[1, 3]]);
         assert_eq!(runs(-9, 9, 5, true), [[0, 4]]);

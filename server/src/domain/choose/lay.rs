@@ -4,12 +4,14 @@ mod around;
 mod rim;
 
 use glam::{DMat2, DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::{
     facts::Window,
     patch::{BaseTriangle, Patch},
 };
 use crate::domain::{mesh::Mesh, relief::Relief};
+use around::Across;
 pub(super) use around::Around;
 pub(super) use rim::Rim;
 
@@ -23,6 +25,17 @@ pub(super) struct Lay<'a> {
     texels: Option<Vec<DVec2>>,
     /// The greatest height, up or down.
     highest: f64,
+    of_triangles: Vec<Local>,
+}
+
+/// What one triangle tells of itself.
+#[derive(Clone, Copy, Debug)]
+struct Local {
+    normal: DVec3,
+    direction_rate: f64,
+    /// What a texel along u and along v is; not finite where it has no area on the map.
+    texel_axes: [DVec3; 2],
+    across: [Across; 3],
 }
 
 impl<'a> Lay<'a> {
@@ -39,7 +52,13 @@ impl<'a> Lay<'a> {
         let uvs = mesh.attribute(&format!("TEXCOORD_{}", relief.uv_set));
         let texels = uvs.map(|uvs| uvs.values.chunks(uvs.components).map(place).collect());
         let highest = map.range().iter().fold(0.0, |most: f64, h| most.max(f64::from(h.abs())));
-        Self { mesh, repeats: map.repeats, size, texels, highest }
+        let mut lay = Self { mesh, repeats: map.repeats, size, texels, highest, of_triangles: Vec::new() };
+        let count = if lay.texels.is_some() { mesh.triangles.len() } else { 0 };
+        lay.of_triangles = (0..count).into_par_iter().map(|t| Local::of(&lay, t)).collect();
+        let across: Vec<[Across; 3]> =
+            (0..count).into_par_iter().map(|t| [0, 1, 2].map(|side| Across::of(&lay, t, side))).collect();
+        lay.of_triangles.iter_mut().zip(across).for_each(|(local, across)| local.across = across);
+        lay
     }
 
     /// How far heights reach from the base at most, mitres at their longest.
@@ -56,17 +75,36 @@ impl<'a> Lay<'a> {
         Some(self.mesh.triangles[t].av.map(|av| texels[av as usize]))
     }
 
-    pub(super) fn patch(&self, t: usize) -> Option<Patch> {
+    /// Normals and directions.
+    fn vectors(&self, t: usize) -> [[DVec3; 3]; 2] {
         let av = self.mesh.triangles[t].av;
+        let direction = |av: u32| vector(self.mesh.gv_direction[self.mesh.av_gv[av as usize] as usize]);
+        [av.map(|av| vector(self.mesh.av_normal[av as usize])), av.map(direction)]
+    }
+
+    pub(super) fn patch(&self, t: usize) -> Option<Patch> {
         let (corners, texels) = (self.corners(t), self.texels(t)?);
-        let normals = av.map(|av| vector(self.mesh.av_normal[av as usize]));
-        let directions = av.map(|av| vector(self.mesh.gv_direction[self.mesh.av_gv[av as usize] as usize]));
+        let [normals, directions] = self.vectors(t);
         let base = BaseTriangle::new(corners, normals, directions, texels);
         Some(Patch { corners, normals, directions, texels, base, seam_distance: f64::INFINITY, is_rim: false })
     }
 
     pub(super) fn around(&self, t: usize) -> Around {
         Around::of(self, t)
+    }
+}
+
+impl Local {
+    /// Before anything is known of what is around it.
+    fn of(lay: &Lay<'_>, t: usize) -> Self {
+        let (corners, vectors) = (lay.corners(t), lay.vectors(t));
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let [p, q, r] = lay.texels(t).unwrap_or_default();
+        let from_texels = DMat2::from_cols(q - p, r - p).inverse();
+        let texel_axes = [from_texels.x_axis, from_texels.y_axis].map(|share| (b - a) * share.x + (c - a) * share.y);
+        let direction_rate = direction_rate(corners, vectors[0], vectors[1]);
+        Self { normal, direction_rate, texel_axes, across: [Across::End; 3] }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The patches that a view sees of a scene's mesh, and what holds for the image of all of them.
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use rayon::prelude::*;
 
 use super::{
     lay::{Around, Lay, Rim},
@@ -67,8 +68,15 @@ pub fn patches_of(
     let mut patches = Patches::default();
     for primitive in mesh.primitives.iter().filter(|primitive| takes(primitive.material)) {
         let double_sided = primitive.material.is_some_and(|m| scene.materials[m].double_sided);
-        for t in primitive.triangles.clone() {
+        let of_triangle = |t: u32| {
+            let mut patches = Patches::default();
             Cut { lay: &lay, view, rim: &rim, t: t as usize, around: None }.add(double_sided, &mut patches);
+            patches
+        };
+        let found: Vec<Patches> = primitive.triangles.clone().into_par_iter().map(of_triangle).collect();
+        for Patches { seen, unknown } in found {
+            patches.seen.extend(seen);
+            patches.unknown += unknown;
         }
     }
     rim.tell(&mut patches.seen, view);

@@ -5,6 +5,8 @@ mod displaced;
 mod marched;
 mod shifted;
 
+use std::cell::OnceCell;
+
 use displace_glsl::methods::Method;
 
 use super::{
@@ -34,8 +36,18 @@ const ROUNDING_PX: f64 = 1e-6;
 /// Fails over to infinity where a method does not show heights.
 #[must_use]
 pub fn predict(method: Method, setting: Setting, view: &PatchView, facts: &HeightFacts) -> Predicted {
+    predict_on(&Seen::new(view, facts), method, setting)
+}
+
+/// Of each of several.
+#[must_use]
+pub fn predict_each(settings: &[(Method, Setting)], view: &PatchView, facts: &HeightFacts) -> Vec<Predicted> {
     let patch = Seen::new(view, facts);
-    let outline_px = outline(&patch, setting);
+    settings.iter().map(|(method, setting)| predict_on(&patch, *method, *setting)).collect()
+}
+
+fn predict_on(patch: &Seen<'_>, method: Method, setting: Setting) -> Predicted {
+    let outline_px = outline(patch, setting);
     let of = |error_px: f64, may_show_hidden: bool| Predicted {
         error_px: if error_px.is_nan() { f64::INFINITY } else { error_px + ROUNDING_PX },
         outline_px,
@@ -43,18 +55,18 @@ pub fn predict(method: Method, setting: Setting, view: &PatchView, facts: &Heigh
     };
     let hides = patch.hides();
     match method {
-        Method::Displacement => of(displaced::error_px(&patch, setting), false),
+        Method::Displacement => of(displaced::error_px(patch, setting), false),
         Method::Vector | Method::Auto => of(f64::INFINITY, true),
         Method::Flat | Method::Bump | Method::Normal => of(patch.base_error_px(), hides),
-        _ if !view.is_front => of(patch.base_error_px(), true),
-        Method::Parallax => of(shifted::parallax_px(&patch), hides),
-        Method::ParallaxLimited => of(shifted::limited_px(&patch), hides),
-        Method::ParallaxIterative => of(shifted::iterative_px(&patch), hides),
-        Method::Exact if setting == Setting::Shell => of(marched::shell_px(&patch), false),
-        Method::Exact => of(marched::exact_px(&patch), false),
-        Method::Steep => marched_by(&patch, setting, Last::Whole, of),
-        Method::Occlusion => marched_by(&patch, setting, Last::Cut, of),
-        Method::Relief | Method::Cone => marched_by(&patch, setting, Last::Halved, of),
+        _ if !patch.view.is_front => of(patch.base_error_px(), true),
+        Method::Parallax => of(shifted::parallax_px(patch), hides),
+        Method::ParallaxLimited => of(shifted::limited_px(patch), hides),
+        Method::ParallaxIterative => of(shifted::iterative_px(patch), hides),
+        Method::Exact if setting == Setting::Shell => of(marched::shell_px(patch), false),
+        Method::Exact => of(marched::exact_px(patch), false),
+        Method::Steep => marched_by(patch, setting, Last::Whole, of),
+        Method::Occlusion => marched_by(patch, setting, Last::Cut, of),
+        Method::Relief | Method::Cone => marched_by(patch, setting, Last::Halved, of),
     }
 }
 
@@ -88,13 +100,16 @@ struct Seen<'a> {
     struck: [f64; 2],
     /// Where on the map that is.
     window: Window,
+    hides: OnceCell<bool>,
+    level_error: OnceCell<f64>,
 }
 
 impl<'a> Seen<'a> {
     fn new(view: &'a PatchView, facts: &'a HeightFacts) -> Self {
         let level = view.level(facts.level_count());
         let own = facts.heights(&view.window);
-        let mut seen = Self { view, facts, level, own, struck: facts.range, window: view.window };
+        let (hides, level_error) = (OnceCell::new(), OnceCell::new());
+        let mut seen = Self { view, facts, level, own, struck: facts.range, window: view.window, hides, level_error };
         for _ in 0..3 {
             seen.window = seen.over(seen.struck);
             seen.struck = seen.heights(&seen.window);
@@ -127,7 +142,12 @@ impl<'a> Seen<'a> {
 
     /// Whether any of the surface may be turned away from the viewer, and so hide what is behind it.
     fn hides(&self) -> bool {
-        !self.view.is_front || self.steepest(&self.window) >= 1.0
+        *self.hides.get_or_init(|| !self.view.is_front || self.steepest(&self.window) >= 1.0)
+    }
+
+    /// What coarser levels leave out of what a ray may strike.
+    fn level_error(&self) -> f64 {
+        *self.level_error.get_or_init(|| self.facts.level_error(&self.window, self.level))
     }
 
     /// Where the base is shown in place of what is above or below it.

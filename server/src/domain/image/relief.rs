@@ -76,6 +76,18 @@ impl HeightMap {
     /// Least and greatest height.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
-        self.heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], h| [low.min(*h), high.max(*h)])
+        // Lanes that do not wait for each other.
+        const LANES: usize = 16;
+        let mut ends = [[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]];
+        let chunks = self.heights.chunks_exact(LANES);
+        let rest = chunks.remainder();
+        for chunk in chunks {
+            for (k, height) in chunk.iter().enumerate() {
+                ends[0][k] = ends[0][k].min(*height);
+                ends[1][k] = ends[1][k].max(*height);
+            }
+        }
+        let [low, high] = [rest, rest].map(|rest| rest.iter().copied());
+        [low.chain(ends[0]).fold(f32::INFINITY, f32::min), high.chain(ends[1]).fold(f32::NEG_INFINITY, f32::max)]
     }
 }

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::domain::{
     Error, Result,
+    choose::kept,
     detail::{Detail, Layer, LayerSource, Map, Wrap},
     image::HeightMap,
     relief::{Relief, Reliefs},
@@ -138,10 +139,12 @@ fn relief(detail: &Detail) -> Result<Relief> {
     // What mirrors is unfolded, and repeats.
     let repeats = [&across, &down].map(|axis| axis.wrap != Wrap::Clamp);
     let [width, height] = [&across, &down].map(|axis| axis.texels.len());
-    let thinnest_texels = thinnest(&heights, width, repeats);
-    let map = HeightMap { width: width as u32, height: height as u32, heights, repeats, thinnest_texels };
+    let map = kept::height_map(heights, width, repeats, |heights| {
+        let thinnest_texels = thinnest(&heights, width, repeats);
+        HeightMap { width: width as u32, height: height as u32, heights, repeats, thinnest_texels }
+    });
     let map_from_uv = behind(layer.map_from_uv, &across, &down);
-    Ok(Relief { map: Arc::new(map), uv_set: detail.uv_set, map_from_uv })
+    Ok(Relief { map, uv_set: detail.uv_set, map_from_uv })
 }
 
 /// scale x (value - midlevel) of each texel as the axes lay it out, rounded once.

@@ -22,8 +22,9 @@ pub(super) fn thinnest(heights: &[f32], columns: usize, repeats: [bool; 2]) -> f
     let rows = heights.len() / columns;
     let (low, high) = heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     let least = SHARE_OF_RANGE * (high - low);
-    let across = Lines { heights, count: rows, length: columns, strides: [columns, 1], repeats: repeats[0] };
-    let down = Lines { heights, count: columns, length: rows, strides: [1, columns], repeats: repeats[1] };
+    let turned = turned(heights, columns);
+    let across = Lines { heights, count: rows, length: columns, repeats: repeats[0] };
+    let down = Lines { heights: &turned, count: columns, length: rows, repeats: repeats[1] };
     let widest = columns.max(rows).min(WIDEST);
     let mut wider = 1;
     while least > 0.0 && wider < widest {
@@ -41,13 +42,18 @@ fn tried(from: usize) -> usize {
     from + (from - 1) / 4
 }
 
+/// Columns for rows.
+fn turned(heights: &[f32], columns: usize) -> Vec<f32> {
+    let column = |x: usize| heights.iter().skip(x).step_by(columns).copied();
+    (0..columns).into_par_iter().flat_map_iter(column).collect()
+}
+
 /// The rows of a map, or its columns.
 struct Lines<'h> {
+    /// Line by line.
     heights: &'h [f32],
     count: usize,
     length: usize,
-    /// From line to line, and along one.
-    strides: [usize; 2],
     repeats: bool,
 }
 
@@ -79,22 +85,20 @@ impl Lines<'_> {
     /// A line with so many texels more before it and behind it.
     fn padded(&self, line: usize, more: usize) -> Vec<f32> {
         let (n, more) = (self.length as isize, more as isize);
-        let texel = |i: isize| if self.repeats { i.rem_euclid(n) } else { i.clamp(0, n - 1) };
-        let at = |i: isize| self.heights[line * self.strides[0] + i as usize * self.strides[1]];
-        (-more..0).map(texel).chain(0..n).chain((n..n + more).map(texel)).map(at).collect()
+        let own = &self.heights[line * self.length..][..self.length];
+        let texel = |i: isize| own[if self.repeats { i.rem_euclid(n) } else { i.clamp(0, n - 1) } as usize];
+        let before: Vec<f32> = (-more..0).map(texel).collect();
+        let behind: Vec<f32> = (n..n + more).map(texel).collect();
+        [&before, own, &behind].concat()
     }
 }
 
 /// The least or the greatest of each run of values.
-fn of_runs(mut values: Vec<f32>, run: usize, pick: impl Fn(f32, f32) -> f32) -> Vec<f32> {
+fn of_runs(mut values: Vec<f32>, run: usize, pick: impl Fn(f32, f32) -> f32 + Copy) -> Vec<f32> {
     let mut covered = 1;
     while covered < run {
         let step = covered.min(run - covered);
-        let left = values.len() - step;
-        for i in 0..left {
-            values[i] = pick(values[i], values[i + step]);
-        }
-        values.truncate(left);
+        values = values.iter().zip(&values[step..]).map(|(a, b)| pick(*a, *b)).collect();
         covered += step;
     }
     values

@@ -12,6 +12,7 @@ use crate::{
         Error, Result,
         chart::Setting,
         choice::{self, Candidate, Picked},
+        choose::{facts::HeightFacts, kept},
         detail::{Detail, LayerSource},
         image::{AlphaMode, RenderCamera},
         maps,
@@ -42,25 +43,48 @@ pub(in crate::jobs) struct Weighing<'a> {
     pub(super) reason: String,
 }
 
+/// A material with a detail, and what is known of it whatever sees it.
+pub(in crate::jobs) struct Ground {
+    material: Option<usize>,
+    detail: Arc<Detail>,
+    /// Where heights can be shown per pixel.
+    heights: Option<(Arc<Relief>, Arc<HeightFacts>)>,
+    /// Why they are not; else empty.
+    refused: &'static str,
+}
+
 /// Of every material with a detail, those without a name last.
+pub(in crate::jobs) fn grounds(desk: Desk<'_>, inputs: &Inputs, request: &RenderRequest) -> Result<Vec<Ground>> {
+    let of = details(inputs);
+    let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
+    let ground = |((material, detail), relief): ((Option<usize>, Arc<Detail>), Option<Arc<Relief>>)| {
+        let refused = refused(desk, &inputs.scene, request, material, relief.as_ref());
+        let heights = relief.filter(|_| refused.is_none()).map(|relief| {
+            let facts = kept::facts_of(&relief.map);
+            (relief, facts)
+        });
+        Ground { material, detail, heights, refused: refused.unwrap_or_default() }
+    };
+    Ok(of.into_iter().zip(reliefs).map(ground).collect())
+}
+
 pub(in crate::jobs) fn weigh<'a>(
     desk: Desk<'_>,
     inputs: &Inputs,
-    request: &'a RenderRequest,
-    camera: &RenderCamera,
+    grounds: &[Ground],
+    (request, camera): (&'a RenderRequest, &RenderCamera),
     tolerance_px: f64,
 ) -> Result<Vec<Weighing<'a>>> {
-    let of = details(inputs);
-    let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
-    let mut all = Vec::with_capacity(of.len());
-    for ((material, detail), relief) in of.iter().zip(reliefs) {
+    let mut all = Vec::with_capacity(grounds.len());
+    for Ground { material, detail, heights, refused } in grounds {
         desk.job.cancel.check()?;
-        let refused = refused(desk, &inputs.scene, request, *material, relief.as_ref());
-        let relief = relief.filter(|_| refused.is_none());
-        let seen = relief.as_deref().map(|relief| Seen::new(&inputs.scene, *material, relief, camera, request));
+        let seen = heights
+            .as_ref()
+            .map(|(relief, facts)| Seen::new(&inputs.scene, *material, (relief, Arc::clone(facts)), camera, request));
         let candidates = candidates(desk, seen.as_ref(), is_vector(detail), tolerance_px);
         let picked = picked(&candidates, tolerance_px)?;
-        let reason = refused.unwrap_or_default().into();
+        let relief = heights.as_ref().map(|(relief, _)| Arc::clone(relief));
+        let reason = (*refused).into();
         all.push(Weighing { material: *material, relief, seen, candidates, picked, tolerance_px, reason });
     }
     agree_on_march(&mut all)?;
@@ -119,7 +143,8 @@ fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, toleranc
         (Method::Exact, Setting::None),
         (Method::Exact, Setting::Shell),
     ];
-    all.extend(per_pixel.map(|(method, setting)| of(method, setting, seen.predicted(method, setting))));
+    let predicted = seen.predicted(&per_pixel);
+    all.extend(per_pixel.iter().zip(predicted).map(|((method, setting), px)| of(*method, *setting, px)));
     all
 }
 

@@ -9,7 +9,7 @@ use crate::{
     },
     jobs::{
         WorkContext,
-        auto::{Desk, Weighing, weigh},
+        auto::{Desk, Weighing, grounds, weigh},
         calibration,
     },
 };
@@ -32,7 +32,9 @@ pub(super) fn mark(
     let job = context.job();
     let (assets, limits, traces_rays) = (context.assets, context.limits, context.executor.traces_rays());
     let desk = Desk { assets, limits, job: &job, model: calibration::of(context)?, traces_rays };
-    let weighings = weigh(desk, &truth.ground.inputs, &asked, &truth.camera, TOLERANCE_PX)?;
+    let inputs = &truth.ground.inputs;
+    let grounds = grounds(desk, inputs, &asked)?;
+    let weighings = weigh(desk, inputs, &grounds, (&asked, &truth.camera), TOLERANCE_PX)?;
     let chosen = chosen(&weighings);
     for Shown { candidate, point, .. } in shown {
         point.predicted_px = predicted_px(&weighings, candidate);
@@ -55,7 +57,7 @@ fn chosen(weighings: &[Weighing<'_>]) -> Option<Candidate> {
 fn predicted_px(weighings: &[Weighing<'_>], candidate: &Candidate) -> Option<f64> {
     let known = |weighing: &Weighing<'_>| {
         let seen = weighing.seen.as_ref()?;
-        let [error_px, _] = seen.predicted(candidate.method, candidate.setting);
+        let [error_px, _] = seen.predicted(&[(candidate.method, candidate.setting)])[0];
         Some(error_px).filter(|px| px.is_finite())
     };
     let all: Option<Vec<f64>> = weighings.iter().map(known).collect();

@@ -4,10 +4,10 @@
 //! Theorem: where h = a + e, a affine and e in [r-, r+], anything linear between places of h is within r+ - r- of h, since
 //! interpolation reproduces a and averages e. A bilinear map has its extremes of e at texels.
 
-use displace_glsl::reference::relief::HeightLevel;
 use glam::{DVec2, IVec2};
+use rayon::prelude::*;
 
-use super::{HeightFacts, Window, above, over};
+use super::{Framed, HeightFacts, Window, over};
 use crate::domain::choose::greatest::Greatest;
 
 #[derive(Clone, Debug)]
@@ -28,26 +28,22 @@ struct Block {
 }
 
 impl Residuals {
-    pub(super) fn new(map: &HeightLevel) -> Self {
-        let size = map.size.map(|n| n as usize);
-        let places = |size: [usize; 2]| {
-            (0..size[0] * size[1]).map(move |k| IVec2::new((k % size[0]) as i32, (k / size[0]) as i32))
-        };
-        let mut blocks: Vec<Block> = places(size).map(|at| Block::over(map, at)).collect();
+    pub(super) fn new(map: &Framed, repeats: [bool; 2]) -> Self {
+        let size = map.size;
+        let mut blocks = every(size, |at| Block::over(map, at));
         let mut of_blocks = size;
         let mut levels = vec![(size, grid(size, &blocks))];
         while of_blocks.iter().any(|n| *n > 2) {
             let level = levels.len() - 1;
-            let repeats = [0, 1].map(|k| map.repeats[k] && is_whole(size[k], level));
+            let repeats = [0, 1].map(|k| repeats[k] && is_whole(size[k], level));
             let below = Row { size: of_blocks, blocks: &blocks, repeats };
             let half = 2f64.powi(level as i32);
             let next = of_blocks.map(|n| n.div_ceil(2));
-            let above = places(next).map(|at| Block::around(&below, at, half)).collect();
+            let above = every(next, |at| Block::around(&below, at, half));
             (of_blocks, blocks) = (next, above);
             levels.push((next, grid(next, &blocks)));
         }
-        let second = |kind: usize| Greatest::new(size, places(size).map(|at| above(second(map, at, kind))).collect());
-        Self { levels, seconds: [0, 1, 2].map(second) }
+        Self { levels, seconds: [0, 1, 2].map(|kind| Greatest::of(size, |at| second(map, at, kind))) }
     }
 
     /// See [`HeightFacts::residual`].
@@ -117,13 +113,19 @@ fn inside_of_blocks(facts: &HeightFacts, window: &Window, level: usize) -> Optio
     Some(window)
 }
 
+/// Row by row.
+fn every<T: Send>(size: [usize; 2], of: impl Fn(IVec2) -> T + Sync) -> Vec<T> {
+    let at = |k: usize| IVec2::new((k % size[0]) as i32, (k / size[0]) as i32);
+    (0..size[0] * size[1]).into_par_iter().map(|k| of(at(k))).collect()
+}
+
 fn grid(size: [usize; 2], blocks: &[Block]) -> Greatest {
-    let residual = |b: &Block| above((b.rest[1] - b.rest[0]).min(b.range[1] - b.range[0]));
-    Greatest::new(size, blocks.iter().map(residual).collect())
+    let residual = |b: &Block| (b.rest[1] - b.rest[0]).min(b.range[1] - b.range[0]);
+    Greatest::of(size, |at| residual(&blocks[at.y as usize * size[0] + at.x as usize]))
 }
 
 /// |h(x - 1, y) - 2 h(x, y) + h(x + 1, y)|, the same along v, and |h(x, y) - h(x + 1, y) - h(x, y + 1) + h(x + 1, y + 1)|.
-fn second(map: &HeightLevel, at: IVec2, kind: usize) -> f64 {
+fn second(map: &Framed, at: IVec2, kind: usize) -> f64 {
     let texel = |x: i32, y: i32| map.texel(at + IVec2::new(x, y));
     match kind {
         0 => (texel(-1, 0) - 2.0 * texel(0, 0) + texel(1, 0)).abs(),
@@ -149,19 +151,23 @@ impl Row<'_> {
     }
 }
 
+/// The least and the greatest.
+fn ends(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+}
+
 const CORNERS: [DVec2; 4] =
     [DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, 1.0)];
 
 impl Block {
     /// The least squares plane of the 3 x 3 texels from `first` on.
-    fn over(map: &HeightLevel, first: IVec2) -> Self {
-        let texels = || (0..9).map(|k| IVec2::new(k % 3, k / 3)).map(|at| (at.as_dvec2() - 1.0, map.texel(first + at)));
-        let middle = texels().map(|(_, h)| h).sum::<f64>() / 9.0;
-        let slope = texels().map(|(at, h)| at * h).sum::<DVec2>() / 6.0;
-        let ends = |[low, high]: [f64; 2], x: f64| [low.min(x), high.max(x)];
-        let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-        let rest = texels().fold(nothing, |r, (at, h)| ends(r, h - middle - slope.dot(at)));
-        Self { middle, slope, rest, range: texels().fold(nothing, |r, (_, h)| ends(r, h)) }
+    fn over(map: &Framed, first: IVec2) -> Self {
+        let nine @ [a, b, c, d, e, f, g, h, i] = map.nine(first);
+        let middle = (a + b + c + d + e + f + g + h + i) / 9.0;
+        let slope = DVec2::new(c + f + i - a - d - g, g + h + i - a - b - c) / 6.0;
+        let plane = [-1.0, 0.0, 1.0].map(|y| [-1.0, 0.0, 1.0].map(|x| middle + slope.x * x + slope.y * y));
+        let rest: [f64; 9] = std::array::from_fn(|k| nine[k] - plane[k / 3][k % 3]);
+        Self { middle, slope, rest: ends(&rest), range: ends(&nine) }
     }
 
     /// Of four blocks `2 half` wide that lie side by side, with the plane of their middles.
@@ -173,8 +179,7 @@ impl Block {
         let mut block = Self { middle, slope, rest: [f64::INFINITY, f64::NEG_INFINITY], range: parts[0].1.range };
         for (centre, part) in &parts {
             let apart = CORNERS.map(|c| part.middle + part.slope.dot(c * half) - plane(*centre + c * half));
-            let [low, high] =
-                [apart.into_iter().fold(f64::INFINITY, f64::min), apart.into_iter().fold(f64::MIN, f64::max)];
+            let [low, high] = ends(&apart);
             block.rest = [block.rest[0].min(low + part.rest[0]), block.rest[1].max(high + part.rest[1])];
             block.range = [block.range[0].min(part.range[0]), block.range[1].max(part.range[1])];
         }

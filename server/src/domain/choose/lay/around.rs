@@ -1,10 +1,8 @@
 //! What is around a triangle, as far as rays over its heights lead: how it bends, and where its chart ends.
 
-use std::collections::{HashMap, VecDeque};
-
 use glam::{DVec2, DVec3};
 
-use super::{Lay, direction_rate, frame, norm};
+use super::{Lay, frame, norm};
 use crate::domain::choose::patch::{BaseTriangle, Patch};
 
 /// Triangles looked at.
@@ -24,7 +22,8 @@ pub(in crate::domain::choose) struct Around {
 }
 
 /// What lies across a side.
-enum Across {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Across {
     End,
     /// And the map is mirrored, or goes on.
     Goes(usize, bool),
@@ -35,18 +34,20 @@ impl Around {
     pub(super) fn of(lay: &Lay<'_>, first: usize) -> Self {
         let mut around = Self { direction_rate: 0.0, bend_rate: 0.0, seams: Vec::new() };
         let Some(chart) = Chart::of(lay, first) else { return around };
-        let mut known = HashMap::from([(first, true)]);
-        let mut next = VecDeque::from([first]);
-        while let Some(t) = next.pop_front() {
-            around.add(lay, t, known[&t].then_some(&chart));
+        // Those before the next were looked at; whether the map lies on all on the way as it does on the first.
+        let mut known = vec![(first, true)];
+        let mut next = 0;
+        while let Some(&(t, is_alike)) = known.get(next) {
+            next += 1;
+            around.add(lay, t, is_alike.then_some(&chart));
             for side in (0..3).filter(|side| chart.is_near(lay, t, *side)) {
-                match across(lay, t, side) {
+                match lay.of_triangles[t].across[side] {
                     Across::End => around.seams.push(side_of(lay, t, side)),
-                    Across::Goes(there, mirrored) if known.len() < MOST && !known.contains_key(&there) => {
-                        known.insert(there, known[&t] && !mirrored);
-                        next.push_back(there);
+                    Across::Goes(there, mirrored) => {
+                        if known.len() < MOST && known.iter().all(|(known, _)| *known != there) {
+                            known.push((there, is_alike && !mirrored));
+                        }
                     }
-                    Across::Goes(..) => {}
                 }
             }
         }
@@ -54,9 +55,7 @@ impl Around {
     }
 
     fn add(&mut self, lay: &Lay<'_>, t: usize, chart: Option<&Chart>) {
-        let Some(patch) = lay.patch(t) else { return };
-        let rate = direction_rate(patch.corners, patch.normals, patch.directions);
-        self.direction_rate = self.direction_rate.max(rate);
+        self.direction_rate = self.direction_rate.max(lay.of_triangles[t].direction_rate);
         if let Some(bend) = chart.and_then(|chart| chart.bend(lay, t)) {
             self.bend_rate = self.bend_rate.max(bend);
         }
@@ -86,24 +85,21 @@ pub(super) fn side_of(lay: &Lay<'_>, t: usize, side: usize) -> [DVec3; 2] {
     [corners[side], corners[(side + 1) % 3]]
 }
 
-fn across(lay: &Lay<'_>, t: usize, side: usize) -> Across {
-    let mesh = lay.mesh;
-    let edge = mesh.ae_ge[mesh.triangles[t].ae[side] as usize] as usize;
-    let &[first, second] = mesh.ge_side.list(edge) else { return Across::End };
-    let other = if first as usize == t * 3 + side { second } else { first } as usize;
-    let there = other / 3;
-    let folds = normal(lay, t).dot(normal(lay, there)) < LEAST_COSINE;
-    let strange = mesh.triangles[t].primitive != mesh.triangles[there].primitive;
-    if folds || strange || !goes_on(lay, [t * 3 + side, other]) {
-        return Across::End;
+impl Across {
+    pub(super) fn of(lay: &Lay<'_>, t: usize, side: usize) -> Self {
+        let mesh = lay.mesh;
+        let edge = mesh.ae_ge[mesh.triangles[t].ae[side] as usize] as usize;
+        let &[first, second] = mesh.ge_side.list(edge) else { return Self::End };
+        let other = if first as usize == t * 3 + side { second } else { first } as usize;
+        let there = other / 3;
+        let folds = lay.of_triangles[t].normal.dot(lay.of_triangles[there].normal) < LEAST_COSINE;
+        let strange = mesh.triangles[t].primitive != mesh.triangles[there].primitive;
+        if folds || strange || !goes_on(lay, [t * 3 + side, other]) {
+            return Self::End;
+        }
+        let turn = |t: usize| lay.texels(t).map_or(0.0, |[a, b, c]| (b - a).perp_dot(c - a));
+        Self::Goes(there, turn(t) * turn(there) < 0.0)
     }
-    let turn = |t: usize| lay.texels(t).map_or(0.0, |[a, b, c]| (b - a).perp_dot(c - a));
-    Across::Goes(there, turn(t) * turn(there) < 0.0)
-}
-
-pub(super) fn normal(lay: &Lay<'_>, t: usize) -> DVec3 {
-    let [a, b, c] = lay.corners(t);
-    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Whether both ends of a side lie at the same place of the map for both triangles, or whole periods away.
@@ -152,12 +148,8 @@ impl Chart {
 
     /// How far the surface is from where this plane would have it, for each unit of length.
     fn bend(&self, lay: &Lay<'_>, t: usize) -> Option<f64> {
-        let ([a, b, c], [p, q, r]) = (lay.corners(t), lay.texels(t)?);
-        let from_texels = glam::DMat2::from_cols(q - p, r - p).inverse();
-        let there = self.texels.map(|texels| {
-            let share = from_texels * texels;
-            (b - a) * share.x + (c - a) * share.y
-        });
+        let [x, y] = lay.of_triangles[t].texel_axes;
+        let there = self.texels.map(|texels| x * texels.x + y * texels.y);
         let bend = norm(there[0] - self.axes[0], there[1] - self.axes[1]);
         bend.is_finite().then_some(bend)
     }

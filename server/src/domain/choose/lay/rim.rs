@@ -1,6 +1,7 @@
 //! Where the outline of a mesh may be: its open sides, and those between what is seen from the front and from behind.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::{
     Lay,
@@ -17,7 +18,16 @@ pub(in crate::domain::choose) struct Rim {
     /// Of each triangle, whether its sides are part of it.
     sides: Vec<[bool; 3]>,
     /// On the screen; none where a side reaches behind the eye.
-    segments: Option<Vec<[DVec2; 2]>>,
+    segments: Option<Vec<Segment>>,
+}
+
+/// Of the outline.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: DVec2,
+    along: DVec2,
+    /// Of the square of its length.
+    inverse: f64,
 }
 
 impl Rim {
@@ -34,7 +44,7 @@ impl Rim {
         let all = sides.iter().enumerate().flat_map(|(t, own)| (0..3).filter(|k| own[*k]).map(move |k| (t, k)));
         let on_screen = |(t, k): (usize, usize)| {
             let ends = side_of(lay, t, k);
-            ends.iter().all(|p| view.w(*p) > view.near).then(|| ends.map(|p| view.pixel(p)))
+            ends.iter().all(|p| view.w(*p) > view.near).then(|| Segment::between(ends.map(|p| view.pixel(p))))
         };
         let segments = all.map(on_screen).collect();
         Self { sides, segments }
@@ -53,14 +63,28 @@ impl Rim {
     /// How far it is from each patch.
     pub(in crate::domain::choose) fn tell(&self, patches: &mut [PatchView], view: &View) {
         let Some(segments) = self.segments.as_ref().filter(|s| s.len() * patches.len() <= MOST) else { return };
-        for patch in patches {
+        patches.par_iter_mut().for_each(|patch| {
             let pixels = patch.patch.corners.map(|corner| view.pixel(corner));
             let middle = pixels.iter().sum::<DVec2>() / 3.0;
             let radius = pixels.iter().fold(0.0, |most: f64, p| most.max(p.distance(middle)));
-            let distance = |s: &[DVec2; 2]| to_segment(middle.extend(0.0), s.map(|p| p.extend(0.0)));
-            let least = segments.iter().map(distance).fold(f64::INFINITY, f64::min);
-            patch.outline_distance_px = (least - radius).max(0.0);
-        }
+            let square = |segment: &Segment| segment.distance_squared(middle);
+            let least = segments.iter().map(square).fold(f64::INFINITY, f64::min);
+            patch.outline_distance_px = (least.sqrt() - radius).max(0.0);
+        });
+    }
+}
+
+impl Segment {
+    fn between([from, to]: [DVec2; 2]) -> Self {
+        let along = to - from;
+        Self { from, along, inverse: 1.0 / along.length_squared().max(f64::MIN_POSITIVE) }
+    }
+
+    #[inline]
+    fn distance_squared(&self, point: DVec2) -> f64 {
+        let way = point - self.from;
+        let share = (way.dot(self.along) * self.inverse).clamp(0.0, 1.0);
+        (way - self.along * share).length_squared()
     }
 }
 

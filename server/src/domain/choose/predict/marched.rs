@@ -70,7 +70,7 @@ pub(super) fn stepped_px(patch: &Seen<'_>, steps: &Steps, last: Last) -> f64 {
 }
 
 pub(super) fn exact_px(patch: &Seen<'_>) -> f64 {
-    patch.off_px(patch.facts.level_error(&patch.window, patch.level) + beyond(patch), patch.struck)
+    patch.off_px(patch.level_error() + beyond(patch), patch.struck)
 }
 
 /// A ray that comes to a seam goes on over the height that is there.
@@ -85,7 +85,7 @@ pub(super) fn shell_px(patch: &Seen<'_>) -> f64 {
     let view = patch.view;
     let [low, high] = patch.struck;
     let height = low.abs().max(high.abs());
-    let off = patch.facts.level_error(&patch.window, patch.level) * view.longest_direction + height * view.stretch;
+    let off = patch.level_error() * view.longest_direction + height * view.stretch;
     let w = view.least_w + patch.struck.iter().flat_map(|h| view.w_rise.map(|w| h * w)).fold(0.0, f64::min);
     let w = w - off * view.w_rate;
     if w > 0.0 { off * (view.rho + view.w_rate * patch.base_error_px()) / w } else { f64::INFINITY }

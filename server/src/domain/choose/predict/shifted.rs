@@ -82,7 +82,8 @@ pub(super) fn iterative_px(patch: &Seen<'_>) -> f64 {
     }
     let [least, greatest] = patch.facts.heights(&window);
     let apart = (greatest - ends[0]).max(ends[1] - least);
-    let left = patch.level_error(&window) + start.most() * left_of_a_turn(patch, &window).powi(TURNS);
+    let left =
+        patch.facts.level_error(&window, patch.level) + start.most() * left_of_a_turn(patch, &window).powi(TURNS);
     patch.off_px(apart.min(left), ends)
 }
 
@@ -96,10 +97,4 @@ fn left_of_a_turn(patch: &Seen<'_>, window: &Window) -> f64 {
 
 fn hull(a: &Window, b: &Window) -> Window {
     Window { low: a.low.min(b.low), high: a.high.max(b.high) }
-}
-
-impl Seen<'_> {
-    fn level_error(&self, window: &Window) -> f64 {
-        self.facts.level_error(window, self.level)
-    }
 }

@@ -1,7 +1,10 @@
 //! The patches of a material that a camera sees, and what methods do on them.
 
+use std::sync::Arc;
+
 use displace_glsl::methods::Method;
 use glam::{DVec3, DVec4};
+use rayon::prelude::*;
 
 use crate::domain::{
     chart::Setting,
@@ -10,7 +13,7 @@ use crate::domain::{
         facts::HeightFacts,
         patch::PatchView,
         patches::{over_view, patches_of, view_of},
-        predict::predict,
+        predict::{Predicted, predict_each},
     },
     cost::Work,
     image::RenderCamera,
@@ -30,7 +33,7 @@ const ROUNDING_PX: f64 = 2e-3;
 
 pub(in crate::jobs) struct Seen<'a> {
     request: &'a RenderRequest,
-    facts: HeightFacts,
+    facts: Arc<HeightFacts>,
     patches: Vec<PatchView>,
     /// Area of all that has the material over that of what faces the eye.
     unseen: f64,
@@ -42,7 +45,7 @@ impl<'a> Seen<'a> {
     pub(in crate::jobs) fn new(
         scene: &Scene,
         material: Option<usize>,
-        relief: &Relief,
+        (relief, facts): (&Relief, Arc<HeightFacts>),
         camera: &RenderCamera,
         request: &'a RenderRequest,
     ) -> Self {
@@ -58,16 +61,29 @@ impl<'a> Seen<'a> {
         // Both sides are patches where both are seen.
         let is_double = material.is_some_and(|m| scene.materials[m].double_sided);
         let unseen = if is_double { 1.0 } else { (1.0 + back / front.max(f64::MIN_POSITIVE)).min(MOST_UNSEEN) };
-        Self { request, facts: HeightFacts::new(&relief.map), patches, unseen, has_unknown: unknown > 0 }
+        Self { request, facts, patches, unseen, has_unknown: unknown > 0 }
     }
 
     /// Bounds of what 99 of 100 pixels, and of what the outline, is off by.
-    pub(in crate::jobs) fn predicted(&self, method: Method, setting: Setting) -> [f64; 2] {
-        if self.has_unknown || self.leaves_others_lit(method) {
+    pub(in crate::jobs) fn predicted(&self, settings: &[(Method, Setting)]) -> Vec<[f64; 2]> {
+        if self.has_unknown {
+            return vec![[f64::INFINITY; 2]; settings.len()];
+        }
+        let of = |patch: &PatchView| predict_each(settings, patch, &self.facts);
+        let of_patches: Vec<Vec<Predicted>> = self.patches.par_iter().map(of).collect();
+        let over = |(k, (method, _)): (usize, &(Method, Setting))| {
+            let areas = self.patches.iter().map(|patch| patch.area_px);
+            let of_method: Vec<(Predicted, f64)> = of_patches.iter().map(|of| of[k]).zip(areas).collect();
+            self.over_view(*method, &of_method)
+        };
+        settings.iter().enumerate().map(over).collect()
+    }
+
+    fn over_view(&self, method: Method, of_patches: &[(Predicted, f64)]) -> [f64; 2] {
+        if self.leaves_others_lit(method) {
             return [f64::INFINITY; 2];
         }
-        let of = |patch: &PatchView| (predict(method, setting, patch, &self.facts), patch.area_px);
-        let (error_px, outline_px) = over_view(&self.patches.iter().map(of).collect::<Vec<_>>());
+        let (error_px, outline_px) = over_view(of_patches);
         let rounding_px = if method.marcher().is_some() { ROUNDING_PX } else { 0.0 };
         [error_px + rounding_px, outline_px]
     }
@@ -87,7 +103,13 @@ impl<'a> Seen<'a> {
         let covered: f64 = self.patches.iter().filter(|patch| patch.is_front).map(|patch| patch.area_px).sum();
         let work = Work { pixels: covered.min(image), ..Work::default() };
         if let Setting::TolerancePx(px) = setting {
-            let seen: f64 = self.patches.iter().map(|patch| triangles_for(px, patch, &self.facts)).sum();
+            let seen: f64 = self
+                .patches
+                .par_iter()
+                .map(|patch| triangles_for(px, patch, &self.facts))
+                .collect::<Vec<f64>>()
+                .iter()
+                .sum();
             let triangles = self.unseen * seen;
             return Work { vertices: 0.5 * triangles, triangles, ..work };
         }
