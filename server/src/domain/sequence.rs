@@ -128,6 +128,14 @@ impl SequenceRequest {
     pub fn own_tolerance_px(&self) -> Option<f64> {
         self.render.own_camera_px()
     }
+
+    /// What each tessellation is made to keep of them: half where the next frame has another one, so that the two together
+    /// are nowhere farther apart than what is allowed.
+    #[must_use]
+    pub fn kept_px(&self) -> Option<f64> {
+        let share = if self.tessellation == SequenceTessellation::PerFrame { 0.5 } else { 1.0 };
+        Some(share * self.own_tolerance_px()?)
+    }
 }
 
 /// What a sequence says of itself.

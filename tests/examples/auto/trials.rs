@@ -31,7 +31,7 @@ const OTHERS: [&[&str]; 6] = [
     &["--method", "exact"],
     &["--method", "exact", "--silhouettes", "shell"],
 ];
-const DISPLACED: [f64; 6] = [0.25, 0.5, 1.0, 1.5, 2.5, 5.0];
+const DISPLACED: [f64; 5] = [0.5, 1.0, 1.5, 2.5, 5.0];
 
 pub(crate) struct Trials<'a> {
     scene: &'a Scene,

@@ -82,16 +82,18 @@ fn what_is_frozen_stands_still_what_is_made_anew_jumps_and_what_is_led_over_jump
     let [frozen, anew, kept] = ["frozen", "per-frame", "hysteresis"].map(|how| ball.turn("out.png", how));
     for report in [&frozen, &anew, &kept] {
         assert_eq!(frames(report).len(), 20);
-        assert!(figures(report, "tolerance_px").iter().all(|px| *px == TOLERANCE_PX), "{report}");
+        // Of two that have nothing in common each keeps half.
+        let share = if report["tessellations"] == 20 { 0.5 } else { 1.0 };
+        assert!(figures(report, "tolerance_px").iter().all(|px| *px == share * TOLERANCE_PX), "{report}");
         assert_eq!(report["worst_pop_px"].as_f64(), Some(largest(&figures(report, "pop_px"))));
     }
     assert_eq!((frozen["worst_pop_px"].as_f64(), &frozen["tessellations"]), (Some(0.0), &1.into()));
     assert_eq!(anew["tessellations"], 20);
     let pops = figures(&anew, "pop_px");
-    assert!(pops[0] == 0.0 && pops[1..].iter().all(|px| *px > 0.0 && *px <= 2.0 * TOLERANCE_PX), "{pops:?}");
+    assert!(pops[0] == 0.0 && pops[1..].iter().all(|px| *px > 0.0 && *px <= TOLERANCE_PX), "{pops:?}");
     let (pops, morphs) = (figures(&kept, "pop_px"), figures(&kept, "morph"));
     assert!(largest(&pops) > 0.0 && largest(&pops) <= 0.5 * TOLERANCE_PX, "{pops:?}");
-    assert!(largest(&pops) < 0.5 * anew["worst_pop_px"].as_f64().unwrap(), "{pops:?} {}", anew["worst_pop_px"]);
+    assert!(largest(&pops) < anew["worst_pop_px"].as_f64().unwrap(), "{pops:?} {}", anew["worst_pop_px"]);
     let made = kept["tessellations"].as_u64().unwrap();
     assert!(made > 1 && made < 10, "{made}");
     assert_eq!(morphs.iter().filter(|morph| **morph == 0.25).count() as u64, made - 1, "{morphs:?}");

@@ -94,17 +94,26 @@ pub fn triangles_for(tolerance_px: f64, view: &PatchView, facts: &HeightFacts) -
     let side = view.patch.base.window.size().max_element() / size.max_element();
     let middle = 0.5 * (view.window.low + view.window.high);
     // Of what is so level that leaves hold several patches.
-    let is_level = |wider: &f64| facts.about(middle, size.max_element() * wider) <= allowed;
+    let is_level = |wider: &f64| left_between(facts, middle, size.max_element() * wider) <= allowed;
     let wider = [1.0, 2.0, 4.0, 8.0].into_iter().filter(|wider| *wider <= side).take_while(is_level).last();
     let leaves = wider.map_or_else(|| leaves(facts, &view.window, allowed), |wider: f64| wider.powi(-2));
     (leaves * TRIANGLES_OF_A_LEAF / leaf).max(of_base)
+}
+
+/// About how far heights are from what is linear between some of them. Where they bend evenly vertices are laid so that it is
+/// no more than from the best plane, of which a square twice as wide leaves four times as much. Where it leaves no more they
+/// are steps: vertices are on one or the other, twice as far from what is between as the best plane is.
+fn left_between(facts: &HeightFacts, middle: DVec2, side: f64) -> f64 {
+    let own = facts.about(middle, side);
+    let growth = (facts.about(middle, 2.0 * side) / own.max(f64::MIN_POSITIVE)).clamp(1.0, 4.0);
+    own * (4.0 / growth).sqrt()
 }
 
 fn leaves(facts: &HeightFacts, window: &Window, allowed: f64) -> f64 {
     let size = window.size();
     let middle = 0.5 * (window.low + window.high);
     let side = size.max_element();
-    let bent = facts.about(middle, side) / allowed;
+    let bent = left_between(facts, middle, side) / allowed;
     if bent <= 1.0 {
         return 1.0;
     }

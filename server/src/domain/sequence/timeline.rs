@@ -11,6 +11,9 @@
 //!   2 τ pixels apart or less, seen from the side, so ρ <= 3/2 wherever τ is less than a tenth of the distance to the image
 //!   counted in pixels, and near 1 wherever τ is a few pixels.
 //!
+//! One made for each frame alone keeps τ/2 there and in the next, where it gives way to another that does: what jumps jumps
+//! by ρ τ at most.
+//!
 //! With Δα = 1 / [`MORPH_FRAMES`] = 1/4 the surface jumps by ρ τ/2 at most, which is less than τ.
 
 use std::{iter, ops::Range};
@@ -52,7 +55,9 @@ impl Timeline {
                 Self { made_for: iter::once(0..frames).collect(), shown: vec![whole(0); frames] }
             }
             SequenceTessellation::PerFrame => {
-                Self { made_for: (0..frames).map(|k| k..k + 1).collect(), shown: (0..frames).map(whole).collect() }
+                // And for the next, whose camera sees what it jumps to.
+                let made_for = (0..frames).map(|k| k..(k + 2).min(frames)).collect();
+                Self { made_for, shown: (0..frames).map(whole).collect() }
             }
             SequenceTessellation::Hysteresis => Self::kept(eyes, corners),
         }
@@ -190,6 +195,6 @@ mod tests {
         let frozen = Timeline::new(SequenceTessellation::Frozen, &eyes, &[DVec3::ZERO]);
         assert_eq!((frozen.made_for, frozen.shown), (iter::once(0..3).collect(), vec![whole(0); 3]));
         let anew = Timeline::new(SequenceTessellation::PerFrame, &eyes, &[DVec3::ZERO]);
-        assert_eq!((anew.made_for, anew.shown), (vec![0..1, 1..2, 2..3], vec![whole(0), whole(1), whole(2)]));
+        assert_eq!((anew.made_for, anew.shown), (vec![0..2, 1..3, 2..3], vec![whole(0), whole(1), whole(2)]));
     }
 }

@@ -82,9 +82,7 @@ impl<'a> Stock<'a> {
     fn geometry(&self, frames: Range<usize>, cameras: &Cameras) -> Geometry {
         let render = &self.request.render;
         let mut geometry = render.surface.geometry.clone();
-        if let (Some(px), Refinement::Tolerance(tolerance)) =
-            (self.request.own_tolerance_px(), &mut geometry.refinement)
-        {
+        if let (Some(px), Refinement::Tolerance(tolerance)) = (self.request.kept_px(), &mut geometry.refinement) {
             let (size, cameras) = ([render.width, render.height], &cameras.each[frames]);
             tolerance.allowed = allowed(px, cameras, size);
         }
@@ -134,7 +132,7 @@ fn allowed(px: f64, cameras: &[crate::domain::image::RenderCamera], size: [u32; 
 
 /// The pixels asked for, and more where a mesh keeps less than was asked of it.
 fn tolerance_px(request: &SequenceRequest, geometry: &Geometry, inputs: &Inputs, surfaces: &[Surface]) -> Option<f64> {
-    let (px, asked) = (request.own_tolerance_px()?, geometry.tolerance()?.allowed.value());
+    let (px, asked) = (request.kept_px()?, geometry.tolerance()?.allowed.value());
     let kept = inputs.plans.each().iter().zip(surfaces).filter_map(|(plan, surface)| fits::kept(plan, surface));
     Some(px * kept.map(|(kept, _)| kept / asked).fold(1.0, f64::max))
 }
