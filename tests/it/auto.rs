@@ -97,16 +97,61 @@ fn an_image_by_auto_is_the_image_by_what_it_chose() {
     let bench = Bench::new();
     for (eye, tolerance_px) in [(FAR, 0.5), (NEAR, 0.5)] {
         let tolerance = format!("--tolerance-px {tolerance_px}");
-        let choice = bench.report(&tolerance, eye, "auto.png")["choices"][0].clone();
+        let auto = bench.report(&tolerance, eye, "auto.png");
+        let choice = auto["choices"][0].clone();
         let setting = match choice["setting"].as_str() {
             Some("") => String::new(),
             Some("shell") => "--silhouettes shell".into(),
             _ => tolerance,
         };
         let flags = format!("--method {} {setting}", choice["method"].as_str().expect("a method"));
-        bench.report(&flags, eye, "named.png");
-        assert!(bench.bytes("auto.png") == bench.bytes("named.png"), "{flags}");
+        let named = bench.report(&flags, eye, "named.png");
+        assert_eq!(auto["triangles"], named["triangles"], "{flags}");
+        // What is finer than triangles only auto shades.
+        let is_same = bench.bytes("auto.png") == bench.bytes("named.png");
+        assert_eq!(is_same, choice["shades_rest"] != true, "{flags}");
     }
+}
+
+/// Of the surface itself, by 16 rays a pixel.
+#[test]
+fn few_triangles_are_shaded_by_all_of_their_heights() {
+    let bench = Bench::new();
+    let truth = bench.run("--method displacement --exact --supersample 16", NEAR, "truth.png", reference());
+    truth.expect_success();
+    let flip = |out: &str| {
+        let [truth, out] = ["truth.png", out].map(|name| bench.path(name).to_str().expect("UTF-8").to_owned());
+        let report = displace(&["compare", &truth, &out, "--json", "--server", validated()]).expect_success().json();
+        report["flip_mean"].as_f64().expect("a figure")
+    };
+    let mut displaced = 0;
+    for tolerance_px in [2, 4, 6, 8] {
+        let tolerance = format!("--tolerance-px {tolerance_px}");
+        let auto = bench.report(&tolerance, NEAR, "auto.png");
+        let choice = &auto["choices"][0];
+        // What costs less is the device's to say.
+        if choice["method"] != "displacement" {
+            continue;
+        }
+        displaced += 1;
+        assert_eq!(choice["shades_rest"], true, "{auto}");
+        let bare = bench.report(&format!("--method displacement {tolerance}"), NEAR, "bare.png");
+        assert_eq!(bare["triangles"], auto["triangles"]);
+        let (shaded, bare) = (flip("auto.png"), flip("bare.png"));
+        println!("{tolerance_px} px: FLIP {shaded} shaded, {bare} without");
+        assert!(shaded < 0.7 * bare, "{tolerance_px}: {shaded} shaded, {bare} without");
+    }
+    assert!(displaced > 1, "of four tolerances {displaced} ask for triangles");
+}
+
+#[test]
+fn normals_that_were_asked_for_are_not_bent() {
+    let bench = Bench::new();
+    let flags = "--tolerance-px 6 --normals geometric";
+    let auto = bench.report(flags, NEAR, "auto.png");
+    assert_eq!((&auto["choices"][0]["method"], auto["choices"][0].get("shades_rest")), (&"displacement".into(), None));
+    bench.report(&format!("--method displacement {flags}"), NEAR, "named.png");
+    assert!(bench.bytes("auto.png") == bench.bytes("named.png"));
 }
 
 #[test]

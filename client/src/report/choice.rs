@@ -13,6 +13,7 @@ pub(super) fn json(choice: &Choice) -> Value {
     value["material"] = choice.material.as_str().into();
     value["tolerance_px"] = choice.tolerance_px.into();
     put(&mut value, "measured", choice.measured_px);
+    put(&mut value, "shades_rest", choice.shades_rest.then_some(true));
     put(&mut value, "next_better", choice.next_better.as_ref().map(option_json));
     put(&mut value, "next_cheaper", choice.next_cheaper.as_ref().map(option_json));
     if !choice.reason.is_empty() {
@@ -41,6 +42,9 @@ pub(super) fn words(choice: &Choice) -> String {
     let measured = choice.measured_px.map_or(String::new(), |px| format!(", measured {px:.3} px"));
     let mut text =
         format!("material {name} by {}{measured}, of {} px allowed\n", option_words(&chosen), choice.tolerance_px);
+    if choice.shades_rest {
+        text += "  what is finer than its triangles bends normals\n";
+    }
     let beside = [("next better", &choice.next_better), ("next cheaper", &choice.next_cheaper)];
     for (what, option) in beside {
         text += &option.as_ref().map_or(String::new(), |option| format!("  {what}: {}\n", option_words(option)));
@@ -85,6 +89,7 @@ mod tests {
             tolerance_px: 0.5,
             measured_px: Some(0.2),
             reason: String::new(),
+            shades_rest: false,
         };
         let value = json(&choice);
         assert_eq!(
@@ -98,5 +103,9 @@ mod tests {
         {
             assert!(text.contains(part), "{part}: {text}");
         }
+        assert!(value.get("shades_rest").is_none() && !text.contains("finer"));
+        let displaced = Choice { shades_rest: true, ..choice };
+        assert_eq!(json(&displaced)["shades_rest"], true);
+        assert!(words(&displaced).contains("finer than its triangles bends normals"));
     }
 }

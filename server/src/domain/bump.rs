@@ -64,6 +64,14 @@ pub struct Shading {
     pub has_normals: bool,
 }
 
+impl Shading {
+    /// What a surface looks like whose vertices move, so that normals are bent from those of the base.
+    #[must_use]
+    pub fn tells_normals(&self) -> bool {
+        self.has_normals || self.bump.is_some()
+    }
+}
+
 impl Bumps {
     #[must_use]
     pub fn of(&self, material: Option<usize>) -> &Shading {

@@ -25,6 +25,9 @@ pub struct Choice {
     /// What 99 of 100 pixels that show the material are off by in the image made; none where it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured_px: Option<f64>,
+    /// It is displaced, and what is finer than its triangles bends normals.
+    #[serde(default)]
+    pub shades_rest: bool,
     /// Why nothing else was weighed, or why what was chosen first was not kept; else empty.
     #[serde(default)]
     pub reason: String,

@@ -5,11 +5,13 @@
 //! |---|---|
 //! | `auto/candidates.rs` | what there is to show a material by, its predicted errors and cost |
 //! | `auto/realised.rs` | from what was chosen to what is displaced, marched and bent |
+//! | `auto/rest.rs` | what is finer than displaced triangles bends normals |
 //! | `auto/measured.rs` | what an image is really off by |
 
 mod candidates;
 mod measured;
 mod realised;
+mod rest;
 
 use std::sync::Arc;
 
@@ -47,6 +49,8 @@ pub(super) struct Settled {
     pub(super) choices: Vec<Choice>,
     /// The materials that these are of.
     materials: Vec<Option<usize>>,
+    /// Those of them whose detail is heights alone.
+    heights: Vec<Option<usize>>,
     /// What the surface has that the image stands for, whatever shows it.
     details: Vec<Vec<Option<Arc<Detail>>>>,
     pub(super) passes: Vec<PassTime>,
@@ -54,9 +58,9 @@ pub(super) struct Settled {
 
 impl Settled {
     fn new(request: RenderRequest, inputs: Inputs, camera: Option<RenderCamera>) -> Self {
-        let (choices, materials, passes) = (Vec::new(), Vec::new(), Vec::new());
+        let (choices, materials, heights, passes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let details = inputs.details.clone();
-        Self { request, inputs, camera, choices, materials, details, passes }
+        Self { request, inputs, camera, choices, materials, heights, details, passes }
     }
 
     /// Whether something else than triangles within the tolerance shows a detail.

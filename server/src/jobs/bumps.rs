@@ -122,14 +122,14 @@ fn give_one(bump: &Bump, sets: &UvSets, material: &mut RenderMaterial) {
     }
 }
 
-/// Whether a primitive's vertices move and a normal map tells its normals: those of the base are bent by it, as CySlice's
-/// displacement shader keeps them for it.
+/// Whether a primitive's vertices move and a normal map, or its heights pixel by pixel, tells its normals: those of the base are
+/// bent by it, as CySlice's displacement shader keeps them for it.
 pub(super) fn keeps_base_normals(inputs: &Inputs, mesh: usize, primitive: usize) -> bool {
     let material = inputs.scene.meshes[mesh].mesh.primitives[primitive].material;
-    inputs.details[mesh][primitive].is_some() && inputs.bumps.of(material).has_normals
+    inputs.details[mesh][primitive].is_some() && inputs.bumps.of(material).tells_normals()
 }
 
-/// Puts the base's normals in place of the displaced surface's, where a normal map tells what it looks like.
+/// Puts the base's normals in place of the displaced surface's, where these are bent to what it looks like.
 pub(super) fn keep_base_normals(
     context: &WorkContext<'_>,
     inputs: &Inputs,

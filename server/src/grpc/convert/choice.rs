@@ -13,6 +13,7 @@ pub(super) fn to_choice(choice: &Choice) -> v1::Choice {
         tolerance_px: choice.tolerance_px,
         reason: choice.reason.clone(),
         measured_px: choice.measured_px,
+        shades_rest: choice.shades_rest,
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use displace_glsl::methods::Method;
 
-use super::Desk;
+use super::{Desk, rest};
 use crate::{
     domain::{
         Error, Result,
@@ -32,6 +32,8 @@ pub(in crate::jobs) const MOST_TEXELS: usize = 1 << 24;
 pub(in crate::jobs) struct Weighing<'a> {
     /// None of primitives without one.
     pub(super) material: Option<usize>,
+    /// Its detail is heights alone.
+    pub(super) is_heights: bool,
     /// Its heights, where they can be shown per pixel.
     pub(super) relief: Option<Arc<Relief>>,
     /// The same as the image sees them.
@@ -85,7 +87,8 @@ pub(in crate::jobs) fn weigh<'a>(
         let picked = picked(&candidates, tolerance_px)?;
         let relief = heights.as_ref().map(|(relief, _)| Arc::clone(relief));
         let reason = (*refused).into();
-        all.push(Weighing { material: *material, relief, seen, candidates, picked, tolerance_px, reason });
+        let is_heights = rest::is_heights(detail);
+        all.push(Weighing { material: *material, is_heights, relief, seen, candidates, picked, tolerance_px, reason });
     }
     agree_on_march(&mut all)?;
     agree_on_motion(&inputs.scene, &mut all);

@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use displace_glsl::methods::Method;
 
-use super::{Desk, Settled, candidates::Weighing};
+use super::{Desk, Settled, candidates::Weighing, rest};
 use crate::{
     domain::{
         Result,
         choice::{Candidate, Choice, Picked, Weighed},
         image::{SelfShadow, Silhouettes},
-        maps,
         relief::{Relief, Reliefs},
         request::{Refinement, RenderRequest, Shadows},
         scene::Scene,
@@ -35,9 +34,19 @@ pub(super) fn realise(
     let is_marched = request.surface.method.marcher().is_some_and(|marcher| marcher.finds_depth);
     let takes_light = is_marched && request.look.shadows != Shadows::None;
     request.look.relief.self_shadow = if takes_light { SelfShadow::Hard } else { SelfShadow::None };
-    give(desk, inputs, request, weighings)?;
+    give(inputs, weighings);
     settled.materials = weighings.iter().map(|weighing| weighing.material).collect();
+    settled.heights = weighings.iter().filter(|w| w.is_heights).map(|weighing| weighing.material).collect();
     settled.choices = weighings.iter().map(|weighing| told(&inputs.scene, weighing)).collect();
+    let bent = rest::bent(desk, inputs, request)?;
+    for (weighing, choice) in weighings.iter().zip(&mut settled.choices) {
+        let method = weighing.chosen().method;
+        if method.moves_vertices() {
+            choice.shades_rest = weighing.is_heights && rest::shade(inputs, request, &bent, weighing.material);
+        } else if method != Method::Flat {
+            rest::give(inputs, weighing.material, bent.of(weighing.material).bump.clone());
+        }
+    }
     inputs.plans = Plans::make(&mut inputs.scene, &request.surface.geometry, desk.limits)?;
     Ok(())
 }
@@ -52,11 +61,11 @@ fn shown_by(weighings: &[Weighing<'_>]) -> Method {
         .unwrap_or(Method::Flat)
 }
 
-/// Takes details from materials that are not displaced, and gives them heights or slopes.
-fn give(desk: Desk<'_>, inputs: &mut Inputs, request: &RenderRequest, weighings: &[Weighing<'_>]) -> Result<()> {
+/// Takes details from materials that are not displaced, and gives them heights.
+fn give(inputs: &mut Inputs, weighings: &[Weighing<'_>]) {
     let still: Vec<&Weighing<'_>> = weighings.iter().filter(|w| !w.chosen().method.moves_vertices()).collect();
     if still.is_empty() {
-        return Ok(());
+        return;
     }
     let of = |material: Option<usize>| still.iter().find(|w| w.material == material);
     for (m, details) in inputs.scene.meshes.iter().zip(&mut inputs.details) {
@@ -71,17 +80,6 @@ fn give(desk: Desk<'_>, inputs: &mut Inputs, request: &RenderRequest, weighings:
     };
     let count = inputs.scene.materials.len();
     inputs.reliefs = Reliefs { of_material: (0..count).map(|m| marched(Some(m))).collect(), of_none: marched(None) };
-    // As heights that are marched bend normals, so do heights that are not, unless a normal map tells of them.
-    let read = |digest: &crate::domain::Digest| desk.assets.read(digest);
-    let bent = maps::resolve_bumps(&inputs.scene, &request.surface.details, Method::Exact, &read)?;
-    for weighing in still.iter().filter(|w| w.chosen().method != Method::Flat) {
-        let bump = bent.of(weighing.material).bump.clone();
-        match weighing.material.and_then(|m| inputs.bumps.of_material.get_mut(m)) {
-            Some(shading) => shading.bump = bump,
-            None => inputs.bumps.of_none.bump = bump,
-        }
-    }
-    Ok(())
 }
 
 /// All of it as triangles within the tolerance, whatever was chosen before: for where that was measured to be not enough.
@@ -95,7 +93,10 @@ pub(in crate::jobs) fn displace_all(
     asked.surface.method = Method::Displacement;
     let mut settled = super::settle(desk, &asked)?;
     settled.choices = before.choices.clone();
-    for choice in &mut settled.choices {
+    let bent = rest::bent(desk, &settled.inputs, &settled.request)?;
+    for (choice, material) in settled.choices.iter_mut().zip(&before.materials) {
+        choice.shades_rest =
+            before.heights.contains(material) && rest::shade(&mut settled.inputs, &settled.request, &bent, *material);
         if choice.chosen.is_displaced() {
             continue;
         }
@@ -119,6 +120,7 @@ fn told(scene: &Scene, weighing: &Weighing<'_>) -> Choice {
         next_better: next_better.as_ref().map(weighed),
         next_cheaper: next_cheaper.as_ref().map(weighed),
         measured_px: None,
+        shades_rest: false,
         reason: reason.clone(),
     }
 }
