@@ -49,7 +49,7 @@ vertices and triangles by the cost model of lavapipe on two cores, triangles and
 
 * Within the tolerance, by both errors: {}.
 * Off by no more than predicted: {}.
-* No more than 10 % dearer than the cheapest of twelve others that is as near: {}.
+* No more than 10 % dearer than the cheapest of eleven others that is as near: {}.
 * No more than 10 % dearer than the cheapest of these that is within the tolerance, which only measuring all of them tells: {}.
 
 ",
