@@ -148,6 +148,14 @@ pub fn pick(candidates: &[Candidate], tolerance_px: f64) -> Option<Picked> {
     })
 }
 
+/// Whether nothing else that costs at least so much changes what is picked of these, nor what stands beside it.
+#[must_use]
+pub fn is_settled(known: &[Candidate], cost_ms: f64, tolerance_px: f64) -> bool {
+    let Some(Picked { chosen, next_better: Some(better), .. }) = pick(known, tolerance_px) else { return false };
+    let is_cheaper = |k: usize| known[k].cost_ms < cost_ms;
+    known[chosen].is_within(tolerance_px) && is_cheaper(chosen) && is_cheaper(better)
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -176,6 +184,21 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn what_is_settled_is_what_is_picked_of_all(
+            figures in prop::collection::vec((0u8..6, 0u8..6, 0u8..6), 2..12),
+            known in 1usize..11,
+            tolerance in 0u8..6,
+        ) {
+            let of = |(error, outline, cost): &(u8, u8, u8)| candidate(f64::from(*error), f64::from(*outline), f64::from(*cost));
+            let mut all: Vec<Candidate> = figures.iter().map(of).collect();
+            all.sort_by(|a, b| a.cost_ms.total_cmp(&b.cost_ms));
+            let (known, tolerance_px) = (&all[..known.min(all.len() - 1)], f64::from(tolerance));
+            if is_settled(known, all[known.len()].cost_ms, tolerance_px) {
+                prop_assert_eq!(pick(known, tolerance_px), pick(&all, tolerance_px));
+            }
+        }
+
         #[test]
         fn nothing_cheaper_is_near_enough(
             figures in prop::collection::vec((0u8..6, 0u8..6, 0u8..6), 1..12),

@@ -119,10 +119,11 @@ pub(super) fn settle(desk: Desk<'_>, request: &RenderRequest) -> Result<Settled>
         let asked = settled.request.clone();
         let of_heights = || grounds(desk, &settled.inputs, &asked);
         let grounds = inputs::timed(desk.job.progress, "height_facts", &mut passes, of_heights)?;
-        inputs::timed(desk.job.progress, "choose", &mut passes, || {
-            let weighed = weigh(desk, &settled.inputs, &grounds, (&asked, &camera), tolerance_px)?;
-            realised::realise(desk, &mut settled, &weighed, &within)
-        })?;
+        let choose = || weigh(desk, &settled.inputs, &grounds, (&asked, &camera), tolerance_px);
+        let weighed = inputs::timed(desk.job.progress, "choose", &mut passes, choose)?;
+        let bent = || rest::bent(desk, &settled.inputs, &asked);
+        let bent = inputs::timed(desk.job.progress, "decode_bumps", &mut passes, bent)?;
+        realised::realise(desk, &mut settled, &weighed, &within, &bent)?;
         settled.passes = passes;
     } else {
         settled.request.surface.geometry.refinement = within;

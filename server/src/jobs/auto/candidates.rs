@@ -83,7 +83,9 @@ pub(in crate::jobs) fn weigh<'a>(
         let seen = heights
             .as_ref()
             .map(|(relief, facts)| Seen::new(&inputs.scene, *material, (relief, Arc::clone(facts)), camera, request));
-        let candidates = candidates(desk, seen.as_ref(), is_vector(detail), tolerance_px);
+        // Where materials have to agree, what one of them would not take another may make it take.
+        let wanted = if grounds.len() > 1 { Wanted::All } else { Wanted::Picked };
+        let candidates = candidates(desk, seen.as_ref(), is_vector(detail), (tolerance_px, wanted));
         let picked = picked(&candidates, tolerance_px)?;
         let relief = heights.as_ref().map(|(relief, _)| Arc::clone(relief));
         let reason = (*refused).into();
@@ -129,27 +131,54 @@ fn refused(
     .find_map(|(applies, reason)| applies.then_some(reason))
 }
 
-/// Triangles always; what shows heights otherwise where it is known how they look.
-fn candidates(desk: Desk<'_>, seen: Option<&Seen<'_>>, is_vector: bool, tolerance_px: f64) -> Vec<Candidate> {
+/// Of which candidates errors are predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    All,
+    /// The one that is picked, and those that stand beside it.
+    Picked,
+}
+
+/// Triangles always; what shows heights otherwise where it is known how they look, the cheapest first.
+fn candidates(
+    desk: Desk<'_>,
+    seen: Option<&Seen<'_>>,
+    is_vector: bool,
+    (tolerance_px, wanted): (f64, Wanted),
+) -> Vec<Candidate> {
     let method = if is_vector { Method::Vector } else { Method::Displacement };
-    let of = |method: Method, setting: Setting, [error_px, outline_px]: [f64; 2]| {
+    let of = |method: Method, setting: Setting| {
         let work = seen.map(|seen| seen.work(method, setting)).unwrap_or_default();
         let (shell, cost_ms) = (setting == Setting::Shell, desk.model.ms(&work));
-        Candidate { method, shell, error_px, outline_px, cost_ms, work }
+        Candidate { method, shell, error_px: tolerance_px, outline_px: tolerance_px, cost_ms, work }
     };
-    let mut all = vec![of(method, Setting::TolerancePx(tolerance_px), [tolerance_px; 2])];
+    let mut all = vec![of(method, Setting::TolerancePx(tolerance_px))];
     let Some(seen) = seen else { return all };
-    let per_pixel = [
-        (Method::Bump, Setting::None),
-        (Method::Parallax, Setting::None),
-        (Method::ParallaxIterative, Setting::None),
-        (Method::Exact, Setting::None),
-        (Method::Exact, Setting::Shell),
-    ];
-    let predicted = seen.predicted(&per_pixel);
-    all.extend(per_pixel.iter().zip(predicted).map(|((method, setting), px)| of(*method, *setting, px)));
+    let mut rest = PER_PIXEL.map(|(method, setting)| of(method, setting)).to_vec();
+    rest.sort_by(|a, b| a.cost_ms.total_cmp(&b.cost_ms));
+    while !rest.is_empty() && !(wanted == Wanted::Picked && choice::is_settled(&all, rest[0].cost_ms, tolerance_px)) {
+        // Most often the first or the second is enough; of more it is faster to predict all at once.
+        let count = if wanted == Wanted::Picked && all.len() < 3 { 1 } else { rest.len() };
+        let next: Vec<Candidate> = rest.drain(..count).collect();
+        let settings: Vec<(Method, Setting)> = next.iter().map(|c| (c.method, c.setting(tolerance_px))).collect();
+        let predicted = seen.predicted(&settings);
+        all.extend(next.into_iter().zip(predicted).map(|(candidate, [error_px, outline_px])| Candidate {
+            error_px,
+            outline_px,
+            ..candidate
+        }));
+    }
     all
 }
+
+/// What shows heights pixel by pixel.
+const PER_PIXEL: [(Method, Setting); 5] = [
+    (Method::Bump, Setting::None),
+    (Method::Parallax, Setting::None),
+    (Method::ParallaxIterative, Setting::None),
+    (Method::Exact, Setting::None),
+    (Method::Exact, Setting::Shell),
+];
 
 /// An image has one method that marches, and outlines for all of it or none: where materials differ, exact is what all take.
 fn agree_on_march(all: &mut [Weighing<'_>]) -> Result<()> {

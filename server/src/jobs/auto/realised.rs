@@ -8,6 +8,7 @@ use super::{Desk, Settled, candidates::Weighing, rest};
 use crate::{
     domain::{
         Result,
+        bump::Bumps,
         choice::{Candidate, Choice, Picked, Weighed},
         image::{SelfShadow, Silhouettes},
         relief::{Relief, Reliefs},
@@ -23,6 +24,7 @@ pub(super) fn realise(
     settled: &mut Settled,
     weighings: &[Weighing<'_>],
     within: &Refinement,
+    bent: &Bumps,
 ) -> Result<()> {
     let Settled { request, inputs, .. } = settled;
     let moves = |weighing: &Weighing<'_>| weighing.chosen().method.moves_vertices();
@@ -38,11 +40,10 @@ pub(super) fn realise(
     settled.materials = weighings.iter().map(|weighing| weighing.material).collect();
     settled.heights = weighings.iter().filter(|w| w.is_heights).map(|weighing| weighing.material).collect();
     settled.choices = weighings.iter().map(|weighing| told(&inputs.scene, weighing)).collect();
-    let bent = rest::bent(desk, inputs, request)?;
     for (weighing, choice) in weighings.iter().zip(&mut settled.choices) {
         let method = weighing.chosen().method;
         if method.moves_vertices() {
-            choice.shades_rest = weighing.is_heights && rest::shade(inputs, request, &bent, weighing.material);
+            choice.shades_rest = weighing.is_heights && rest::shade(inputs, request, bent, weighing.material);
         } else if method != Method::Flat {
             rest::give(inputs, weighing.material, bent.of(weighing.material).bump.clone());
         }
