@@ -181,6 +181,11 @@ fn what_cannot_be_shown_per_pixel_is_displaced_and_the_reason_is_told() {
     let map = bench.map.to_str().expect("UTF-8").to_owned();
     let two = bench.report(&format!("--height {map} --scale 0.01"), FAR, "two.png");
     assert!(two["choices"][0]["reason"].as_str().is_some_and(|reason| reason.contains("not one height map")), "{two}");
+    assert_eq!(two["choices"][0]["shades_rest"], true, "both bend normals");
+    // More than a material has places for.
+    let five = bench.report(&format!("--height {map} --scale 0.01 ").repeat(4), FAR, "five.png");
+    assert_eq!(five["choices"][0]["method"], "displacement", "{five}");
+    assert!(five["choices"][0].get("shades_rest").is_none(), "{five}");
 }
 
 #[test]

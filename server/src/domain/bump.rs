@@ -65,7 +65,7 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// What a surface looks like whose vertices move, so that normals are bent from those of the base.
+    /// Whether it tells what a surface looks like whose vertices move, so that normals are bent from those of the base.
     #[must_use]
     pub fn tells_normals(&self) -> bool {
         self.has_normals || self.bump.is_some()

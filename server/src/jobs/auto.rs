@@ -121,7 +121,8 @@ pub(super) fn settle(desk: Desk<'_>, request: &RenderRequest) -> Result<Settled>
         let grounds = inputs::timed(desk.job.progress, "height_facts", &mut passes, of_heights)?;
         let choose = || weigh(desk, &settled.inputs, &grounds, (&asked, &camera), tolerance_px);
         let weighed = inputs::timed(desk.job.progress, "choose", &mut passes, choose)?;
-        let bent = || rest::bent(desk, &settled.inputs, &asked);
+        let is_still = |w: &Weighing<'_>| !w.chosen().method.moves_vertices() && w.chosen().method != Method::Flat;
+        let bent = || rest::bent(desk, &settled.inputs, &asked, weighed.iter().any(is_still));
         let bent = inputs::timed(desk.job.progress, "decode_bumps", &mut passes, bent)?;
         realised::realise(desk, &mut settled, &weighed, &within, &bent)?;
         settled.passes = passes;

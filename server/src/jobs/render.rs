@@ -64,8 +64,10 @@ impl Work for RenderWork {
         let mut settled = auto::settle(desk, request)?;
         let (mut report, mut taken) = taken(context, &mut settled)?;
         if !settled.measure(desk, &taken.images)? {
+            let missed = std::mem::take(&mut taken.passes);
             settled = auto::displace_all(desk, request, &settled, MISSED)?;
             (report, taken) = self::taken(context, &mut settled)?;
+            inputs::add_times(&mut taken.passes, missed);
         }
         let Taken { mut images, settings, mut passes, preimage } = taken;
         keep_asked(&mut images, request);

@@ -80,6 +80,8 @@ const TRIANGLES_OF_A_LEAF: f64 = 0.8;
 const LEAST_LEAF: f64 = 0.5;
 /// Texels of a leaf within which heights bend evenly, so that what is left of them falls with its area.
 const EVEN_LEAF: f64 = 2.0;
+/// Of what is left of heights that are no steps, from a square to one twice as wide.
+const LEAST_GROWTH: f64 = 1.5;
 
 /// What displacing within a tolerance takes on a patch: leaves of a quadtree over the map, each as near to a plane as
 /// allowed. A tolerance counts along any direction, so that depth alone decides. Patches of one triangle add, to one at least.
@@ -100,13 +102,13 @@ pub fn triangles_for(tolerance_px: f64, view: &PatchView, facts: &HeightFacts) -
     (leaves * TRIANGLES_OF_A_LEAF / leaf).max(of_base)
 }
 
-/// About how far heights are from what is linear between some of them. Where they bend evenly vertices are laid so that it is
-/// no more than from the best plane, of which a square twice as wide leaves four times as much. Where it leaves no more they
-/// are steps: vertices are on one or the other, twice as far from what is between as the best plane is.
+/// About how far heights are from what is linear between some of them. Where they bend vertices are laid so that it is no more
+/// than from the best plane, of which a square twice as wide leaves more. Where it leaves no more they are steps: vertices are on
+/// one or the other, twice as far from what is between as the best plane is.
 fn left_between(facts: &HeightFacts, middle: DVec2, side: f64) -> f64 {
     let own = facts.about(middle, side);
-    let growth = (facts.about(middle, 2.0 * side) / own.max(f64::MIN_POSITIVE)).clamp(1.0, 4.0);
-    own * (4.0 / growth).sqrt()
+    let growth = facts.about(middle, 2.0 * side) / own.max(f64::MIN_POSITIVE);
+    own * (2.0 - (growth - 1.0) / (LEAST_GROWTH - 1.0)).clamp(1.0, 2.0)
 }
 
 fn leaves(facts: &HeightFacts, window: &Window, allowed: f64) -> f64 {

@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::facts::HeightFacts;
 use crate::domain::{Digest, image::HeightMap};
 
-/// Of all maps that are kept; a larger one is not. With what is known of them about 55 bytes each.
+/// Of all maps that are kept; a larger one is not. With what is known of them about 55 bytes each, besides cones where a
+/// device has made them.
 const MOST_TEXELS: usize = 1 << 22;
 
 static KEPT: KeptHeights = KeptHeights::new();
@@ -58,6 +59,10 @@ impl KeptHeights {
             return Arc::clone(&kept.map);
         }
         let map = Arc::new(make(heights));
+        // Another job may have made the same meanwhile.
+        if let Some(kept) = self.used(is_same) {
+            return Arc::clone(&kept.map);
+        }
         self.keep(Kept { heights: digest, map: Arc::clone(&map), facts: OnceLock::new() });
         map
     }

@@ -11,8 +11,8 @@
 //!   2 τ pixels apart or less, seen from the side, so ρ <= 3/2 wherever τ is less than a tenth of the distance to the image
 //!   counted in pixels, and near 1 wherever τ is a few pixels.
 //!
-//! One made for each frame alone keeps τ/2 there and in the next, where it gives way to another that does: what jumps jumps
-//! by ρ τ at most.
+//! One made for each frame alone keeps τ/2 there and in the next, where it gives way to another that does: both are seen within
+//! τ/2 of S, so that what jumps jumps by τ at most.
 //!
 //! With Δα = 1 / [`MORPH_FRAMES`] = 1/4 the surface jumps by ρ τ/2 at most, which is less than τ.
 

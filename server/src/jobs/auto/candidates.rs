@@ -25,7 +25,7 @@ use crate::{
 };
 pub(in crate::jobs) use seen::Seen;
 
-/// What is known of a map takes 40 bytes a texel.
+/// What is known of a map takes about 50 bytes a texel, and twice that while it is made.
 pub(in crate::jobs) const MOST_TEXELS: usize = 1 << 24;
 
 /// One material with a detail, and what shows it.
@@ -70,6 +70,7 @@ pub(in crate::jobs) fn grounds(desk: Desk<'_>, inputs: &Inputs, request: &Render
     Ok(of.into_iter().zip(reliefs).map(ground).collect())
 }
 
+/// What there is to show each by, and what is picked.
 pub(in crate::jobs) fn weigh<'a>(
     desk: Desk<'_>,
     inputs: &Inputs,

@@ -91,10 +91,12 @@ pub(in crate::jobs) fn displace_all(
     reason: &str,
 ) -> Result<Settled> {
     let mut asked = asked.clone();
-    asked.surface.method = Method::Displacement;
+    let has_vectors = before.choices.iter().any(|choice| choice.chosen.method == Method::Vector.name());
+    asked.surface.method = if has_vectors { Method::Vector } else { Method::Displacement };
     let mut settled = super::settle(desk, &asked)?;
     settled.choices = before.choices.clone();
-    let bent = rest::bent(desk, &settled.inputs, &settled.request)?;
+    settled.passes = before.passes.clone();
+    let bent = rest::bent(desk, &settled.inputs, &settled.request, false)?;
     for (choice, material) in settled.choices.iter_mut().zip(&before.materials) {
         choice.shades_rest =
             before.heights.contains(material) && rest::shade(&mut settled.inputs, &settled.request, &bent, *material);

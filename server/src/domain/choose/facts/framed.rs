@@ -30,7 +30,7 @@ impl Framed {
         f64::from(self.texels[y * self.width + x])
     }
 
-    /// Three rows of three, from one before the last on at most.
+    /// Three rows of three, from the last texel on at most.
     pub(super) fn nine(&self, first: IVec2) -> [f64; 9] {
         let [x, y] = [first.x, first.y].map(|i| (i + BEFORE as i32) as usize);
         let row = |k: usize| &self.texels[(y + k) * self.width + x..][..3];
