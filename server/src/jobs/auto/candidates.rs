@@ -55,11 +55,15 @@ pub(in crate::jobs) struct Ground {
     refused: &'static str,
 }
 
+/// A material and its detail.
+type Known = (Option<usize>, Arc<Detail>);
+
 /// Of every material with a detail, those without a name last.
 pub(in crate::jobs) fn grounds(desk: Desk<'_>, inputs: &Inputs, request: &RenderRequest) -> Result<Vec<Ground>> {
     let of = details(inputs);
     let reliefs = maps::marchable(&of.iter().map(|(_, detail)| Some(Arc::clone(detail))).collect::<Vec<_>>())?;
-    let ground = |((material, detail), relief): ((Option<usize>, Arc<Detail>), Option<Arc<Relief>>)| {
+    let ground = |(of, relief): (Known, Option<Arc<Relief>>)| {
+        let (material, detail) = of;
         let refused = refused(desk, &inputs.scene, request, material, relief.as_ref());
         let heights = relief.filter(|_| refused.is_none()).map(|relief| {
             let facts = kept::facts_of(&relief.map);
@@ -157,7 +161,10 @@ fn candidates(
     let Some(seen) = seen else { return all };
     let mut rest = PER_PIXEL.map(|(method, setting)| of(method, setting)).to_vec();
     rest.sort_by(|a, b| a.cost_ms.total_cmp(&b.cost_ms));
-    while !rest.is_empty() && !(wanted == Wanted::Picked && choice::is_settled(&all, rest[0].cost_ms, tolerance_px)) {
+    let is_enough = |all: &[Candidate], next: &Candidate| {
+        wanted == Wanted::Picked && choice::is_settled(all, next.cost_ms, tolerance_px)
+    };
+    while rest.first().is_some_and(|next| !is_enough(&all, next)) {
         // Most often the first or the second is enough; of more it is faster to predict all at once.
         let count = if wanted == Wanted::Picked && all.len() < 3 { 1 } else { rest.len() };
         let next: Vec<Candidate> = rest.drain(..count).collect();
@@ -232,8 +239,8 @@ impl Weighing<'_> {
 }
 
 /// Of each material that is shown and has one.
-fn details(inputs: &Inputs) -> Vec<(Option<usize>, Arc<Detail>)> {
-    let mut all: Vec<(Option<usize>, Arc<Detail>)> = Vec::new();
+fn details(inputs: &Inputs) -> Vec<Known> {
+    let mut all: Vec<Known> = Vec::new();
     for (index, (m, details)) in inputs.scene.meshes.iter().zip(&inputs.details).enumerate() {
         if !inputs.scene.instances.iter().any(|instance| instance.mesh == index) {
             continue;
