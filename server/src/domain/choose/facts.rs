@@ -5,8 +5,6 @@ mod framed;
 mod levels;
 mod residual;
 
-use std::sync::Arc;
-
 use displace_glsl::reference::relief::HeightLevel;
 use glam::{DVec2, IVec2};
 
@@ -98,11 +96,6 @@ impl HeightFacts {
             level_errors: LevelErrors::new(&levels),
             levels,
         }
-    }
-
-    #[must_use]
-    pub fn of(map: &HeightMap) -> Arc<Self> {
-        Arc::new(Self::new(map))
     }
 
     /// Texels along u and v.

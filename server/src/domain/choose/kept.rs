@@ -68,7 +68,7 @@ impl KeptHeights {
     }
 
     fn facts(&self, map: &Arc<HeightMap>) -> Arc<HeightFacts> {
-        let make = || HeightFacts::of(map);
+        let make = || Arc::new(HeightFacts::new(map));
         match self.used(|kept| Arc::ptr_eq(&kept.map, map)) {
             Some(kept) => Arc::clone(kept.facts.get_or_init(make)),
             None => make(),

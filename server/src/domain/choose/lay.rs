@@ -26,6 +26,8 @@ pub(super) struct Lay<'a> {
     /// The greatest height, up or down.
     highest: f64,
     of_triangles: Vec<Local>,
+    /// Of their sides.
+    across: Vec<[Across; 3]>,
 }
 
 /// What one triangle tells of itself.
@@ -35,7 +37,6 @@ struct Local {
     direction_rate: f64,
     /// What a texel along u and along v is; not finite where it has no area on the map.
     texel_axes: [DVec3; 2],
-    across: [Across; 3],
 }
 
 impl<'a> Lay<'a> {
@@ -52,12 +53,11 @@ impl<'a> Lay<'a> {
         let uvs = mesh.attribute(&format!("TEXCOORD_{}", relief.uv_set));
         let texels = uvs.map(|uvs| uvs.values.chunks(uvs.components).map(place).collect());
         let highest = map.range().iter().fold(0.0, |most: f64, h| most.max(f64::from(h.abs())));
-        let mut lay = Self { mesh, repeats: map.repeats, size, texels, highest, of_triangles: Vec::new() };
+        let mut lay =
+            Self { mesh, repeats: map.repeats, size, texels, highest, of_triangles: Vec::new(), across: Vec::new() };
         let count = if lay.texels.is_some() { mesh.triangles.len() } else { 0 };
         lay.of_triangles = (0..count).into_par_iter().map(|t| Local::of(&lay, t)).collect();
-        let across: Vec<[Across; 3]> =
-            (0..count).into_par_iter().map(|t| [0, 1, 2].map(|side| Across::of(&lay, t, side))).collect();
-        lay.of_triangles.iter_mut().zip(across).for_each(|(local, across)| local.across = across);
+        lay.across = (0..count).into_par_iter().map(|t| [0, 1, 2].map(|side| Across::of(&lay, t, side))).collect();
         lay
     }
 
@@ -95,7 +95,6 @@ impl<'a> Lay<'a> {
 }
 
 impl Local {
-    /// Before anything is known of what is around it.
     fn of(lay: &Lay<'_>, t: usize) -> Self {
         let (corners, vectors) = (lay.corners(t), lay.vectors(t));
         let [a, b, c] = corners;
@@ -104,7 +103,7 @@ impl Local {
         let from_texels = DMat2::from_cols(q - p, r - p).inverse();
         let texel_axes = [from_texels.x_axis, from_texels.y_axis].map(|share| (b - a) * share.x + (c - a) * share.y);
         let direction_rate = direction_rate(corners, vectors[0], vectors[1]);
-        Self { normal, direction_rate, texel_axes, across: [Across::End; 3] }
+        Self { normal, direction_rate, texel_axes }
     }
 }
 

@@ -41,7 +41,7 @@ impl Around {
             next += 1;
             around.add(lay, t, is_alike.then_some(&chart));
             for side in (0..3).filter(|side| chart.is_near(lay, t, *side)) {
-                match lay.of_triangles[t].across[side] {
+                match lay.across[t][side] {
                     Across::End => around.seams.push(side_of(lay, t, side)),
                     Across::Goes(there, mirrored) => {
                         if known.len() < MOST && known.iter().all(|(known, _)| *known != there) {
